@@ -1,0 +1,310 @@
+"""The only code that drives engines and clocks them.
+
+`run` never raises because of an engine: whatever the engine does ends as a `Run`, with what was
+computed until then.
+"""
+
+from __future__ import annotations
+
+import gc
+import math
+import statistics
+import time
+import traceback
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from adapters.engine import (
+    BadScene,
+    ContactForce,
+    Diverged,
+    Engine,
+    Impact,
+    Refusal,
+    Settings,
+    checked_settings,
+    lead,
+)
+from mechanics.arrays import SceneError
+from mechanics.scene import Scene
+from mechanics.trajectory import State, Trajectory
+
+FAILURES = ("diverged", "error", "crash", "timeout", "oom")
+STAGES = ("import", "build", "start", "advance", "read", "judge")
+
+
+@dataclass(frozen=True)
+class Failure:
+    """How a run broke.
+
+    Attributes
+    ----------
+    state : str
+        One of `FAILURES`.
+    stage : str
+        One of `STAGES`.
+    time : float
+        Simulated time reached [s].
+    reason : str
+    """
+
+    state: str
+    stage: str
+    time: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class Timing:
+    """What `advance` cost.
+
+    Attributes
+    ----------
+    wall : (repeats, intervals) array of int
+        Wall time of each sample interval [ns].
+    cpu : (repeats,) array of int
+        CPU time of the thread over all intervals [ns].
+    digests : tuple of str
+        Hash of the final state of each repeat: equal, or the envelope means nothing.
+    """
+
+    wall: np.ndarray
+    cpu: np.ndarray
+    digests: tuple[str, ...]
+
+    @property
+    def deterministic(self) -> bool:
+        """Whether every repeat ended in bitwise the same state."""
+        return len(set(self.digests)) <= 1
+
+    @property
+    def seconds(self) -> float:
+        """Cost of the run [s]: the sum over intervals of the minimum over repeats (the envelope).
+
+        Repeats do the same work in each interval, so the minimum strips interruptions interval by
+        interval.  A run that does not repeat itself has no envelope: the least CPU time instead.
+        """
+        if self.deterministic:
+            return float(self.wall.min(axis=0).sum()) * 1e-9
+        return float(self.cpu.min()) * 1e-9
+
+    @property
+    def contention(self) -> float:
+        """Median wall time over the envelope, minus 1: how much the machine disturbed the measurement."""
+        envelope = float(self.wall.min(axis=0).sum())
+        return statistics.median(self.wall.sum(axis=1).tolist()) / envelope - 1.0 if envelope else 0.0
+
+
+@dataclass(frozen=True)
+class Run:
+    """One engine on one scene.
+
+    Attributes
+    ----------
+    engine, version : str
+    settings : dict
+        Every knob with the value used.
+    outcome : Trajectory, Refusal or Failure
+    partial : Trajectory or None
+        What had been computed when it failed.
+    events : tuple of Impact
+        Empty where the engine does not know them (`knows_events`).
+    contacts : tuple of ContactForce
+        Lasting contacts at the last sample, where the engine knows them.
+    timing : Timing or None
+    build_seconds : float
+        From the scene to a world ready to advance [s].
+    notes : tuple of str
+        Approximations and remarks of the adapter.
+    lead : float
+        Time by which positions run ahead of velocities [s].
+    audit : dict
+        What the engine reports of its own soundness (residuals, budgets), where it does.
+    output : str
+        What the engine printed.
+    """
+
+    engine: str
+    version: str
+    settings: dict[str, Any]
+    outcome: Trajectory | Refusal | Failure
+    partial: Trajectory | None = None
+    events: tuple[Impact, ...] = ()
+    knows_events: bool = False
+    contacts: tuple[ContactForce, ...] = ()
+    timing: Timing | None = None
+    build_seconds: float = 0.0
+    notes: tuple[str, ...] = ()
+    lead: float = 0.0
+    audit: dict[str, float] = field(default_factory=dict)
+    output: str = ""
+
+    @property
+    def trajectory(self) -> Trajectory | None:
+        """The motion as far as it is known: whole, partial, or None."""
+        return self.outcome if isinstance(self.outcome, Trajectory) else self.partial
+
+
+def sample_times(duration: float, sampling: float) -> np.ndarray:
+    """Times 0, sampling, 2 sampling ... duration [s]; the last interval may be shorter.
+
+    Raises
+    ------
+    ValueError
+        For a duration or an interval that is not finite and positive.
+    """
+    for name, value in (("duration", duration), ("sampling", sampling)):
+        if not (math.isfinite(value) and value > 0.0):
+            raise ValueError(f"{name} = {value!r} is not possible: a finite number > 0")
+    count = round(duration / sampling)
+    if abs(count * sampling - duration) <= 1e-9 * duration:
+        return np.arange(count + 1) * sampling
+    return np.append(np.arange(math.floor(duration / sampling) + 1) * sampling, duration)
+
+
+def checked_times(times: Sequence[float]) -> np.ndarray:
+    """`times` as an array.
+
+    Raises
+    ------
+    ValueError
+        If they are not at least two finite, increasing times from 0 on.
+    """
+    array = np.asarray(times, dtype=np.float64)
+    if array.ndim != 1 or len(array) < 2 or not np.isfinite(array).all() or array[0] < 0 or (np.diff(array) <= 0).any():
+        raise ValueError(f"times = {times!r} is not possible: at least two finite, increasing times >= 0")
+    return array if array[0] == 0.0 else np.concatenate([[0.0], array])
+
+
+def prepare(engine: Engine, scene: Scene) -> tuple[Any, tuple[str, ...]]:
+    """Draft of the scene with every effect switched on, and the footnotes of what is approximated.
+
+    Raises
+    ------
+    Refusal
+        For an effect the engine does not list, and for whatever the adapter itself refuses.
+    """
+    for effect in scene.effects:
+        if type(effect) not in engine.effects:
+            known = ", ".join(sorted(kind.__name__ for kind in engine.effects))
+            raise Refusal(f"{engine.name} has no {type(effect).__name__}; it has {known}")
+    draft = engine.vacuum(scene)
+    notes = [engine.effects[type(effect)](draft, effect) for effect in scene.effects]
+    return draft, tuple(note for note in notes if note)
+
+
+def run(engine: Engine, scene: Scene, times: Sequence[float], settings: Settings | None = None, repeats: int = 1) -> Run:
+    """Run `scene` in `engine`, recording the state at `times` [s].
+
+    With more than one repeat a warm-up precedes them and is discarded; each repeat is built anew,
+    because only a rebuilt world is the same world in every engine.
+
+    Raises
+    ------
+    ValueError
+        For times or settings that are not possible; never because of what the engine does.
+    """
+    times = checked_times(times)
+    chosen = checked_settings(engine, settings)
+    once = Run(engine.name, engine.version, dict(chosen), Failure("error", "build", 0.0, ""), lead=lead(engine, chosen))
+    first, wall, cpu = _attempt(engine, scene, times, chosen, once)
+    if repeats <= 1 or not isinstance(first.outcome, Trajectory):
+        return _timed(first, [wall], [cpu], [first]) if wall else first
+    attempts = [_attempt(engine, scene, times, chosen, once) for _ in range(repeats)]
+    broken = next((a[0] for a in attempts if not isinstance(a[0].outcome, Trajectory)), None)
+    if broken is not None:
+        return broken
+    return _timed(first, [a[1] for a in attempts], [a[2] for a in attempts], [a[0] for a in attempts])
+
+
+def _timed(run: Run, wall: list[list[int]], cpu: list[int], runs: list[Run]) -> Run:
+    digests = tuple(r.trajectory.digest() for r in runs if r.trajectory is not None)
+    timing = Timing(np.array(wall, dtype=np.int64), np.array(cpu, dtype=np.int64), digests)
+    return Run(**{**run.__dict__, "timing": timing})
+
+
+def _attempt(engine: Engine, scene: Scene, times: np.ndarray, settings: Settings, blank: Run) -> tuple[Run, list[int], int]:
+    """One run from draft to last sample: the run, wall times of its intervals [ns], CPU time of all of them [ns]."""
+    said: dict[str, Any] = {}
+    states: list[State] = []
+    wall: list[int] = []
+    cpu = [0]
+    stage = ["build"]
+    world = None
+    try:
+        begun = time.perf_counter()
+        draft, said["notes"] = prepare(engine, scene)
+        stage[0] = "start"
+        world = engine.start(draft, settings)
+        said["build_seconds"] = time.perf_counter() - begun
+        for state in _samples(engine, world, times, stage, wall, cpu):
+            states.append(state)
+        said |= _spoken(engine, world)
+        outcome: Trajectory | Refusal | Failure = Trajectory.of(states)
+    except Refusal as refusal:
+        outcome = refusal
+    except Exception as error:
+        outcome = _failure(error, stage[0], states)
+        said |= {"partial": Trajectory.of(states) if states else None}
+    finally:
+        if world is not None and hasattr(engine, "close"):
+            engine.close(world)
+    return Run(**{**blank.__dict__, **said, "outcome": outcome}), wall, cpu[0]
+
+
+def _samples(
+    engine: Engine, world: Any, times: np.ndarray, stage: list[str], wall: list[int], cpu: list[int]
+) -> Iterator[State]:
+    stage[0] = "read"
+    yield engine.read(world)
+    with _no_garbage_collection():
+        for interval in np.diff(times).tolist():
+            stage[0] = "advance"
+            cpu_before, before = time.thread_time_ns(), time.perf_counter_ns()
+            engine.advance(world, interval)
+            wall.append(time.perf_counter_ns() - before)
+            cpu[0] += time.thread_time_ns() - cpu_before
+            stage[0] = "read"
+            state = engine.read(world)
+            if not (np.isfinite(state.x).all() and np.isfinite(state.v).all()
+                    and np.isfinite(state.q).all() and np.isfinite(state.w).all()):  # fmt: skip
+                raise Diverged("the state holds NaN or infinity")
+            yield state
+
+
+def _spoken(engine: Engine, world: Any) -> dict[str, Any]:
+    said: dict[str, Any] = {}
+    if hasattr(engine, "events"):
+        said |= {"events": tuple(engine.events(world)), "knows_events": True}
+    if hasattr(engine, "contacts"):
+        said["contacts"] = tuple(engine.contacts(world))
+    if hasattr(engine, "audit"):
+        said["audit"] = dict(engine.audit(world))
+    return said
+
+
+def _failure(error: Exception, stage: str, states: list[State]) -> Failure:
+    reached = states[-1].t if states else 0.0
+    if isinstance(error, Diverged):
+        return Failure("diverged", stage, reached, str(error))
+    if isinstance(error, MemoryError):
+        return Failure("oom", stage, reached, "out of memory")
+    if isinstance(error, (BadScene, SceneError)):
+        return Failure("error", stage, reached, str(error))
+    where = traceback.extract_tb(error.__traceback__)[-1]
+    return Failure("error", stage, reached, f"{type(error).__name__}: {error} ({where.name}, line {where.lineno})")
+
+
+@contextmanager
+def _no_garbage_collection() -> Iterator[None]:
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()

@@ -1,0 +1,1 @@
+"""Questions with answer keys: one subject per file, found by `scenarios.catalogue`."""
