@@ -197,7 +197,9 @@ def prepare(engine: Engine, scene: Scene) -> tuple[Any, tuple[str, ...]]:
     return draft, tuple(note for note in notes if note)
 
 
-def run(engine: Engine, scene: Scene, times: Sequence[float], settings: Settings | None = None, repeats: int = 1) -> Run:
+def run(
+    engine: Engine, scene: Scene, times: Sequence[float], settings: Settings | None = None, repeats: int = 1
+) -> Run:
     """Run `scene` in `engine`, recording the state at `times` [s].
 
     With more than one repeat a warm-up precedes them and is discarded; each repeat is built anew,
@@ -227,7 +229,9 @@ def _timed(run: Run, wall: list[list[int]], cpu: list[int], runs: list[Run]) -> 
     return Run(**{**run.__dict__, "timing": timing})
 
 
-def _attempt(engine: Engine, scene: Scene, times: np.ndarray, settings: Settings, blank: Run) -> tuple[Run, list[int], int]:
+def _attempt(
+    engine: Engine, scene: Scene, times: np.ndarray, settings: Settings, blank: Run
+) -> tuple[Run, list[int], int]:
     """One run from draft to last sample: the run, wall times of its intervals [ns], CPU time of all of them [ns]."""
     said: dict[str, Any] = {}
     states: list[State] = []

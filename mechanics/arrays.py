@@ -49,8 +49,9 @@ class SceneError(ValueError):
         return type(self)(f"{prefix}.{self.field}" if self.field else prefix, self.value, self.allowed)
 
 
-def real(field: str, value: object, *, above: float | None = None, least: float | None = None,
-         most: float | None = None) -> float:
+def real(
+    field: str, value: object, *, above: float | None = None, least: float | None = None, most: float | None = None
+) -> float:
     """Return `value` as a finite float.
 
     Parameters
@@ -65,8 +66,11 @@ def real(field: str, value: object, *, above: float | None = None, least: float 
     SceneError
         If the value is no number, not finite, or out of bounds.
     """
-    bounds = [f"> {above:g}" if above is not None else "", f">= {least:g}" if least is not None else "",
-              f"<= {most:g}" if most is not None else ""]
+    bounds = [
+        f"> {above:g}" if above is not None else "",
+        f">= {least:g}" if least is not None else "",
+        f"<= {most:g}" if most is not None else "",
+    ]
     allowed = " and ".join(["a finite number", *filter(None, bounds)])
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise SceneError(field, value, allowed)

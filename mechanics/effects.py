@@ -225,8 +225,7 @@ class Hinge(Effect):
 CONTACT_EFFECTS: tuple[type[Effect], ...] = (Restitution, Friction, Resting)
 
 EFFECTS: dict[str, type[Effect]] = {
-    e.__name__: e
-    for e in (Gravity, Rotation, Drag, Force, Spring, Restitution, Friction, Resting, Rod, Tether, Hinge)
+    e.__name__: e for e in (Gravity, Rotation, Drag, Force, Spring, Restitution, Friction, Resting, Rod, Tether, Hinge)
 }
 
 

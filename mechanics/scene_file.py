@@ -90,7 +90,9 @@ def _at(path: str, build: Any, table: Mapping[str, Any]) -> Any:
 def _known(kind: str, table: Mapping[str, Any], names: set[str], required: set[str] = frozenset()) -> None:  # type: ignore[assignment]
     for key in table:
         if key not in names:
-            raise SceneError(key, table[key], f"no such field{f' of {kind}' if kind else ''}; there are {sorted(names)}")
+            raise SceneError(
+                key, table[key], f"no such field{f' of {kind}' if kind else ''}; there are {sorted(names)}"
+            )
     for key in sorted(required - set(table)):
         raise SceneError(key, None, f"{kind} needs it")
 
