@@ -15,10 +15,10 @@ from jaxtyping import Float64, Int
 Vec3 = Float64[np.ndarray, "3"]
 Quat = Float64[np.ndarray, "4"]
 Mat33 = Float64[np.ndarray, "3 3"]
-Vectors = Float64[np.ndarray, "*batch 3"]
-Quats = Float64[np.ndarray, "*batch 4"]
-Matrices = Float64[np.ndarray, "*batch 3 3"]
-Scalars = Float64[np.ndarray, "*batch"]
+Vectors = Float64[np.ndarray, "... 3"]
+Quats = Float64[np.ndarray, "... 4"]
+Matrices = Float64[np.ndarray, "... 3 3"]
+Scalars = Float64[np.ndarray, "..."] | float  # a single angle is a NumPy float
 Triangles = Int[np.ndarray, "n 3"]
 
 Triple = tuple[float, float, float]

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
+from typing import cast
 
 from mechanics.arrays import SceneError, Triple, real, reals
 
@@ -134,16 +135,21 @@ class PairEffect(Effect):
             pairs[a, b] = self._checked(f"between[{a}, {b}]", value)
         return tuple(sorted(pairs.items()))
 
+    @property
+    def exceptions(self) -> dict[tuple[str, str], float]:
+        """Coefficients of the named pairs, names in alphabetical order."""
+        return dict(cast(Pairs, self.between))
+
     def of(self, a: str, b: str) -> float:
         """Coefficient of the pair of bodies named a and b, in either order."""
-        return dict(self.between).get((a, b) if a < b else (b, a), self.coefficient)  # type: ignore[arg-type]
+        return self.exceptions.get((a, b) if a < b else (b, a), self.coefficient)
 
     def values(self) -> tuple[float, ...]:
         """Every coefficient that stands in this effect, the default first."""
-        return (self.coefficient, *(value for _, value in self.between))  # type: ignore[misc]
+        return (self.coefficient, *self.exceptions.values())
 
     def names(self) -> tuple[str, ...]:
-        return tuple(name for pair, _ in self.between for name in pair)  # type: ignore[misc]
+        return tuple(name for pair in self.exceptions for name in pair)
 
 
 @dataclass(frozen=True)

@@ -116,14 +116,14 @@ def _body(table: Mapping[str, Any]) -> Body:
     if not isinstance(shape, Mapping):
         raise SceneError("shape", shape, f"a table with a type, one of {', '.join(SHAPES)}")
     made = _at("shape", lambda t: _filled(_chosen(t, SHAPES), t), shape)
-    return _filled(Body, {**table, "shape": made})  # type: ignore[no-any-return]
+    return _filled(Body, {**table, "shape": made})
 
 
 def _effect(table: Mapping[str, Any]) -> Effect:
     kind = _chosen(table, EFFECTS)
     if issubclass(kind, PairEffect) and "between" in table:
         table = {**table, "between": tuple(_exceptions(table["between"]))}
-    return _filled(kind, table)  # type: ignore[no-any-return]
+    return _filled(kind, table)
 
 
 def _exceptions(rows: Any) -> Iterator[tuple[tuple[str, str], float]]:

@@ -47,7 +47,7 @@ class Trajectory:
         As in `State`.
     """
 
-    t: Float64[np.ndarray, "T"]
+    t: Float64[np.ndarray, " T"]
     x: Float64[np.ndarray, "T n 3"]
     q: Float64[np.ndarray, "T n 4"]
     v: Float64[np.ndarray, "T n 3"]
