@@ -1,0 +1,62 @@
+"""A failure is expected only if every failing quantity is on record, for the version it was seen in."""
+
+from dataclasses import replace
+
+import pytest
+
+from comparisons.cell import Cell
+from comparisons.known import Known, explain, known
+from comparisons.measurement import Measurement
+
+
+def measured(quantity, verdict):
+    return Measurement(quantity, 2.0, "1", 0.0, "", 1.0, 1e-9, "", verdict)
+
+
+CELL = Cell("k", "ball[e=0.5]", "ball", 1, (), "pybullet:stock", "3.2.7", {}, "fail", 1.0,
+            measurements=(measured("a error", "fail"), measured("b error", "ok")))  # fmt: skip
+RECORD = Known("pybullet:*", "ball[e=0.5]", "margin", "measured", "3.2.7", "a error")
+
+
+def test_a_failure_on_record_is_expected_and_says_why():
+    assert explain(CELL, [RECORD]).state == "xfail"
+    assert explain(CELL, [RECORD]).known == "margin"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"engine": "mujoco"},
+        {"scenario": "ball[e=0.4]"},
+        {"version": "3.2.8"},
+        {"quantity": "b error"},
+        {"state": "crash"},
+    ],
+)
+def test_a_record_of_something_else_is_silent(change):
+    assert explain(CELL, [replace(RECORD, **change)]) == CELL
+
+
+def test_one_unexplained_quantity_keeps_the_failure():
+    worse = replace(CELL, measurements=(*CELL.measurements, measured("c error", "fail")))
+    assert explain(worse, [RECORD]).state == "fail"
+    assert explain(worse, [RECORD, replace(RECORD, quantity="c*")]).state == "xfail"
+
+
+def test_a_cured_cell_is_news_only_if_it_was_named():
+    cured = replace(CELL, state="ok", measurements=())
+    assert explain(cured, [RECORD]).state == "ok"
+    assert explain(cured, [replace(RECORD, engine="pybullet:stock")]).state == "xpass"
+
+
+def test_other_states_are_explained_by_records_of_that_state():
+    diverged = replace(CELL, state="diverged", measurements=())
+    assert explain(diverged, [RECORD]).state == "diverged"
+    assert explain(diverged, [replace(RECORD, state="diverged")]).state == "xfail"
+
+
+def test_every_record_gives_a_reason_and_where_it_was_found():
+    for record in known():
+        assert len(record.reason) > 20
+        assert record.source
+        assert record.version
