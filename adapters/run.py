@@ -12,7 +12,7 @@ import statistics
 import time
 import traceback
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -256,7 +256,8 @@ def _attempt(
         said |= {"partial": Trajectory.of(states) if states else None}
     finally:
         if world is not None and hasattr(engine, "close"):
-            engine.close(world)
+            with suppress(Exception):  # the answer is there; how the world ends does not change it
+                engine.close(world)
     return Run(**{**blank.__dict__, **said, "outcome": outcome}), wall, cpu[0]
 
 

@@ -1,0 +1,260 @@
+"""One killable process per engine: a crash, a hang, running out of memory or an exception costs one cell.
+
+The parent sends a job through a pipe and waits for the `Run` until the deadline.  What the child
+prints goes to a file at the level of file descriptors, so nothing native escapes it.  Every state
+the engine answers is also noted in a scratch file, outside the clocked call: after a crash the
+parent reads there how far the run had come.
+
+Processes are started as programs and not through `multiprocessing`: the child then does not import
+the caller's main module again (a script needs no ``if __name__ == "__main__"``), has its environment
+before numpy is imported (thread counts are read at that moment), and can be killed at once with
+everything it has started.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Sequence
+from dataclasses import replace
+from multiprocessing.connection import Connection
+from typing import Any
+
+from adapters import registry
+from adapters.engine import Settings, checked_settings, lead
+from adapters.run import Failure, Run, checked_times
+from adapters.scratch import Scratch
+from mechanics.scene import Scene
+
+MEMORY = 8 * 2**30  # address space of a worker [bytes]; compilers and BLAS reserve far more than they use
+TIMEOUT = 60.0  # of a cell [s]
+START_TIMEOUT = 120.0  # to start the process and import the engine [s]
+TAIL = 4096  # bytes of output kept with a run
+
+THREADS = ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "NUMBA", "BLIS")
+SINGLE_THREADED = {f"{name}_NUM_THREADS": "1" for name in THREADS} | {"VECLIB_MAXIMUM_THREADS": "1"}
+OUT_OF_MEMORY = re.compile(r"bad_?alloc|MemoryError|(could not|cannot|can't) allocate|out of memory", re.IGNORECASE)
+CHILD = (
+    "import json, sys; sys.path[:], *words = map(json.loads, sys.argv[1:]); "
+    "from adapters.worker_process import serve; serve(*words)"
+)
+
+
+class Workers:
+    """A worker for each engine, started when it is first needed; a context manager.
+
+    Parameters
+    ----------
+    memory : int
+        Address space a worker may use [bytes]; 0 = no limit.
+    """
+
+    def __init__(self, memory: int = MEMORY) -> None:
+        self._memory = memory
+        self._workers: dict[str, Worker] = {}
+        self._lock = threading.Lock()
+        self._closed = False
+
+    def run(
+        self,
+        engine: str,
+        scene: Scene,
+        times: Sequence[float],
+        settings: Settings | None = None,
+        repeats: int = 1,
+        timeout: float = TIMEOUT,
+    ) -> Run:
+        """As `adapters.run.run`, in the engine's own process; whatever ends that process ends as a Run, too.
+
+        Raises
+        ------
+        ValueError
+            For times or settings that are not possible.
+        Unavailable, UnknownName
+            If there is no such engine here.
+        """
+        return self._worker(engine).run(scene, times, settings, repeats, timeout)
+
+    def _worker(self, engine: str) -> Worker:
+        with self._lock:
+            if self._closed:
+                raise RuntimeError("the workers are closed")
+            if engine not in self._workers:
+                self._workers[engine] = Worker(engine, self._memory)
+            return self._workers[engine]
+
+    def close(self) -> None:
+        """End every worker, in the middle of a run if need be."""
+        with self._lock:
+            self._closed = True
+            for worker in self._workers.values():
+                worker.close()
+
+    def __enter__(self) -> Workers:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+class _Broken(Exception):
+    """The process is gone; how."""
+
+    def __init__(self, state: str, reason: str) -> None:
+        self.state, self.reason = state, reason
+        super().__init__(reason)
+
+
+class Worker:
+    """A process that runs one engine; started again after whatever ended it."""
+
+    def __init__(self, engine: str, memory: int = MEMORY) -> None:
+        self._engine = registry.engine(engine)
+        self._target = registry.source_of(engine).target
+        self._memory = memory
+        self._process: subprocess.Popen[bytes] | None = None
+        self._jobs: Connection | None = None
+        self._answers: Connection | None = None
+        self._busy = threading.Lock()
+        self._closed = False
+        self._scratch = Scratch()
+        self._log = tempfile.TemporaryFile(buffering=0)  # noqa: SIM115  lives as long as the worker
+        fcntl.fcntl(self._log, fcntl.F_SETFL, fcntl.fcntl(self._log, fcntl.F_GETFL) | os.O_APPEND)
+
+    def run(self, scene: Scene, times: Sequence[float], settings: Settings | None, repeats: int, timeout: float) -> Run:
+        """Run one job; see `Workers.run`."""
+        chosen, sampled = checked_settings(self._engine, settings), checked_times(times)
+        blank = Run(
+            self._engine.name,
+            self._engine.version,
+            dict(chosen),
+            Failure("error", "import", 0.0, ""),
+            lead=lead(self._engine, chosen),
+        )
+        with self._busy:
+            self._scratch.clear()
+            self._log.truncate(0)
+            try:
+                self._start()
+                answer = self._ask((scene, sampled, chosen, repeats), timeout)
+                if not isinstance(answer, Run):
+                    raise _Broken("error", answer)
+            except _Broken as broken:
+                answer = self._wreck(blank, broken, len(scene.bodies))
+            answer = _short_of_memory(replace(answer, output=self._said()))
+            if isinstance(answer.outcome, Failure) and answer.outcome.state == "oom":
+                self._end()  # what a failed allocation left half done is not the next cell's concern
+            return answer
+
+    def close(self) -> None:
+        """End the process, in the middle of a run if need be; that run ends as a crash."""
+        self._closed = True
+        self._kill()
+        with self._busy:
+            self._end()
+
+    def _start(self) -> None:
+        """Make sure that a process with the engine imported is there."""
+        if self._process is not None and self._process.poll() is None:
+            return
+        self._end()
+        if self._closed:
+            raise _Broken("crash", "the worker is closed")
+        jobs_read, jobs_write = os.pipe()
+        answers_read, answers_write = os.pipe()
+        inherited = (jobs_read, answers_write, self._scratch.fileno())
+        words = [[str(p) for p in sys.path], self._target, self._engine.name, self._memory, *inherited]
+        try:
+            self._process = subprocess.Popen(
+                [sys.executable, "-P", "-u", "-X", "faulthandler", "-c", CHILD, *map(json.dumps, words)],
+                stdin=subprocess.DEVNULL,
+                stdout=self._log,
+                stderr=self._log,
+                env=os.environ | SINGLE_THREADED,
+                pass_fds=inherited,
+                start_new_session=True,  # a Ctrl-C is the parent's to answer
+            )
+        finally:
+            os.close(jobs_read)
+            os.close(answers_write)
+        self._jobs, self._answers = Connection(jobs_write, readable=False), Connection(answers_read, writable=False)
+        problem = self._receive(START_TIMEOUT)
+        if problem:
+            self._end()
+            raise _Broken("error", problem)
+        self._log.truncate(0)  # what is printed on import belongs to no cell
+
+    def _ask(self, job: Any, timeout: float) -> Any:
+        assert self._jobs is not None
+        try:
+            self._jobs.send(job)
+        except BrokenPipeError:
+            raise self._death() from None
+        return self._receive(timeout)
+
+    def _receive(self, timeout: float) -> Any:
+        assert self._answers is not None
+        try:
+            if not self._answers.poll(timeout):
+                self._end()
+                raise _Broken("timeout", f"killed after {timeout:g} s")
+            return self._answers.recv()
+        except (EOFError, OSError):
+            raise self._death() from None
+
+    def _death(self) -> _Broken:
+        assert self._process is not None
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(5.0)
+        code = self._process.returncode
+        self._end()
+        if code is None:
+            return _Broken("crash", "the process closed its pipe and would not end")
+        if code >= 0:
+            return _Broken("crash", f"the process ended itself with exit code {code}")
+        hint = " (not by the harness; the kernel does this when memory runs out)" if -code == signal.SIGKILL else ""
+        return _Broken("crash", signal.Signals(-code).name + hint)
+
+    def _kill(self) -> None:
+        if self._process is not None and self._process.poll() is None:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(self._process.pid, signal.SIGKILL)
+
+    def _end(self) -> None:
+        self._kill()
+        if self._process is not None:
+            self._process.wait()
+        for pipe in (self._jobs, self._answers):
+            if pipe is not None:
+                pipe.close()
+        self._process = self._jobs = self._answers = None
+
+    def _wreck(self, blank: Run, broken: _Broken, bodies: int) -> Run:
+        """What is known of a run that sent no answer."""
+        motion, stage = self._scratch.motion(bodies), self._scratch.stage
+        reached = float(motion.t[-1]) if motion is not None else 0.0
+        where = f"{stage} after t = {reached:.6g} s" if stage == "advance" else stage
+        reason = f"{broken.reason}, in {where}"
+        return replace(blank, outcome=Failure(broken.state, stage, reached, reason), partial=motion)
+
+    def _said(self) -> str:
+        size = os.fstat(self._log.fileno()).st_size
+        start = max(0, size - TAIL)
+        return os.pread(self._log.fileno(), size - start, start).decode(errors="replace").strip()
+
+
+def _short_of_memory(run: Run) -> Run:
+    """The same run; a failure that speaks of memory, in whatever way the engine ended then, is called `oom`."""
+    failure = run.outcome
+    if not isinstance(failure, Failure) or failure.state not in ("error", "crash"):
+        return run
+    spoken = failure.reason + (run.output if failure.state == "crash" else "")
+    return replace(run, outcome=replace(failure, state="oom")) if OUT_OF_MEMORY.search(spoken) else run

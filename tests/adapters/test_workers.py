@@ -1,0 +1,158 @@
+"""Whatever an engine does, it costs its own cell only."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from adapters import registry
+from adapters.run import Failure, run
+from adapters.workers import Workers
+from mechanics.effects import Gravity
+from mechanics.scene import Body, Scene
+from mechanics.shapes import Sphere
+from mechanics.trajectory import Trajectory
+
+SCENE = Scene((Body("a", Sphere(0.1), mass=1.0, velocity=(1.0, 0.0, 0.0)), Body("b", Sphere(0.1))), (Gravity(),))
+TIMES = np.linspace(0.0, 1.0, 11)
+
+
+@pytest.fixture
+def workers(toys):
+    with Workers() as pool:
+        yield pool
+
+
+def faulty(workers, fault, timeout=30.0):
+    return workers.run("toy:faulty", SCENE, TIMES, {"fault": fault}, timeout=timeout)
+
+
+def test_a_worker_answers_what_the_engine_answers_here(workers, toys):
+    here, there = run(toys["toy"], SCENE, TIMES), workers.run("toy", SCENE, TIMES)
+    assert there.outcome.digest() == here.outcome.digest()
+    assert (there.engine, there.version, there.settings) == (here.engine, here.version, here.settings)
+    assert there.events == here.events
+    assert there.audit == here.audit
+
+
+@pytest.mark.parametrize(
+    ("fault", "state", "reason"),
+    [
+        ("segv", "crash", "SIGSEGV"),
+        ("abort", "crash", "SIGABRT"),
+        ("exit", "crash", "exit code 3"),
+        ("kill", "crash", "SIGKILL"),
+        ("hang", "timeout", "killed after 0.5 s"),
+        ("oom", "oom", "memory"),
+        ("bad_alloc", "oom", "SIGABRT"),
+        ("raise", "error", "ArithmeticError: the solver has met a singular matrix"),
+        ("nan", "diverged", "NaN"),
+    ],
+)
+def test_a_fault_costs_its_own_cell_and_keeps_what_was_computed(workers, toys, fault, state, reason):
+    before = faulty(workers, "none")
+    broken = faulty(workers, fault, timeout=0.5 if fault == "hang" else 30.0)
+    assert isinstance(broken.outcome, Failure)
+    assert (broken.outcome.state, broken.outcome.time) == (state, pytest.approx(0.5))
+    assert broken.outcome.stage == ("read" if fault == "nan" else "advance")
+    assert reason in broken.outcome.reason
+    assert broken.settings["fault"] == fault
+    whole = run(toys["toy"], SCENE, TIMES).outcome
+    for name in ("t", "x", "q", "v", "w"):
+        np.testing.assert_array_equal(getattr(broken.partial, name), getattr(whole.until(6), name))
+    after = faulty(workers, "none")
+    assert isinstance(before.outcome, Trajectory)
+    assert after.outcome.digest() == before.outcome.digest()
+
+
+def test_a_crash_leaves_the_neighbour_alone(workers):
+    workers.run("toy", SCENE, TIMES)
+    neighbour = workers._workers["toy"]._process
+    faulty(workers, "segv")
+    assert neighbour.poll() is None
+    assert isinstance(workers.run("toy", SCENE, TIMES).outcome, Trajectory)
+    assert workers._workers["toy"]._process is neighbour
+
+
+def test_what_a_dying_engine_said_is_kept(workers):
+    assert "solver: assertion failed" in faulty(workers, "abort").output
+    assert "Segmentation fault" in faulty(workers, "segv").output
+
+
+def test_prints_are_returned_with_their_run_and_do_not_reach_ours(workers, capfd):
+    said = faulty(workers, "print").output
+    assert all(phrase in said for phrase in ("python speaks", "C speaks", "the descriptor speaks"))
+    assert faulty(workers, "none").output == ""
+    captured = capfd.readouterr()
+    assert (captured.out, captured.err) == ("", "")
+
+
+def test_a_run_that_cannot_be_sent_is_an_error_of_its_cell(workers):
+    broken = faulty(workers, "unsendable")
+    assert broken.outcome.state == "error"
+    assert "cannot be sent" in broken.outcome.reason
+    assert isinstance(faulty(workers, "none").outcome, Trajectory)
+
+
+def test_the_limit_of_memory_is_that_of_the_worker(toys):
+    with Workers(memory=1 << 50) as pool:
+        assert faulty(pool, "oom").outcome.state == "oom"  # 8 TiB: nobody has them
+        assert isinstance(faulty(pool, "none").outcome, Trajectory)
+
+
+def test_threads_are_pinned_before_numpy_is_imported(tmp_path):
+    engine = tmp_path / "counting.py"
+    engine.write_text(
+        "import os, sys\n"
+        "SEEN = {n: os.environ.get(n) for n in ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS')}\n"
+        "name, version, effects, knobs = 'counting', '1', {}, {}\n"
+        "def vacuum(scene): raise RuntimeError(str(SEEN))\n"
+        "start = advance = read = None\n"
+    )
+    registry.register("counting", str(engine))
+    try:
+        with Workers() as pool:
+            said = pool.run("counting", Scene(SCENE.bodies), TIMES).outcome.reason
+    finally:
+        registry.unregister("counting")
+    assert "'OMP_NUM_THREADS': '1', 'OPENBLAS_NUM_THREADS': '1'" in said
+
+
+def test_an_engine_that_imports_here_and_not_there_fails_in_the_stage_import(tmp_path):
+    engine = tmp_path / "homebody.py"
+    engine.write_text(
+        f"import os\nif os.getpid() != {os.getpid()}: raise OSError('no display')\n"
+        "name, version, effects, knobs = 'homebody', '1', {}, {}\n"
+        "vacuum = start = advance = read = lambda *a: None\n"
+    )
+    registry.register("homebody", str(engine))
+    try:
+        with Workers() as pool:
+            failure = pool.run("homebody", Scene(SCENE.bodies), TIMES).outcome
+    finally:
+        registry.unregister("homebody")
+    assert (failure.state, failure.stage) == ("error", "import")
+    assert "no display" in failure.reason
+
+
+def test_impossible_settings_are_the_callers_error(workers):
+    with pytest.raises(ValueError, match="has no knob 'tempo'"):
+        workers.run("toy", SCENE, TIMES, {"tempo": 1.0})
+    with pytest.raises(ValueError, match="times"):
+        workers.run("toy", SCENE, [0.0])
+
+
+def test_a_script_needs_no_main_guard(tmp_path, toy_file):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "from adapters import registry\nfrom adapters.workers import Workers\n"
+        "from mechanics.scene import Body, Scene\nfrom mechanics.shapes import Sphere\n"
+        f"registry.register('toy', {str(toy_file)!r})\n"
+        "with Workers() as workers:\n"
+        "    run = workers.run('toy', Scene((Body('a', Sphere(0.1), mass=1.0),)), [0.0, 1.0])\n"
+        "print(type(run.outcome).__name__)\n"
+    )
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=60, check=False)
+    assert (done.stdout, done.stderr) == ("Trajectory\n", "")
