@@ -73,7 +73,7 @@ class Engine(Protocol):
     knobs : mapping
         What trades accuracy for time: name -> values, coarse to fine.  ``dt`` is a time step [s].
 
-    Optional names, read through the functions below: `defaults`, `profile`, `lead`, `events`,
+    Optional names, read through the functions below: `defaults`, `profile`, `settle`, `lead`, `events`,
     `contacts`, `close`.
     """
 
@@ -127,12 +127,17 @@ def profile(engine: Engine) -> Mapping[str, str]:
     return getattr(engine, "profile", {})
 
 
+def settled(engine: Engine, settings: Settings, scene: Scene) -> Settings:
+    """Settings in which every choice an engine leaves to the scene (an "auto") has been made for `scene`."""
+    return engine.settle(settings, scene) if hasattr(engine, "settle") else settings  # type: ignore[attr-defined]
+
+
 def lead(engine: Engine, settings: Settings) -> float:
     """By how much time the positions an engine reports run ahead of its velocities [s].
 
     Semi-implicit Euler moves with the new velocity: x(t) pairs with v(t - h/2) in a uniform field,
     so positions lead by +h/2; an engine that moves first and then kicks lags, -h/2.  Energy is
-    comparable only after x is carried back by lead * v.
+    comparable only after x is carried back by lead * v.  The settings are to be `settled` first.
     """
     return float(engine.lead(settings)) if hasattr(engine, "lead") else 0.0  # type: ignore[attr-defined]
 

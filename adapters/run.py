@@ -28,6 +28,7 @@ from adapters.engine import (
     Settings,
     checked_settings,
     lead,
+    settled,
 )
 from mechanics.arrays import SceneError
 from mechanics.scene import Scene
@@ -212,7 +213,8 @@ def run(
     """
     times = checked_times(times)
     chosen = checked_settings(engine, settings)
-    once = Run(engine.name, engine.version, dict(chosen), Failure("error", "build", 0.0, ""), lead=lead(engine, chosen))
+    ahead = lead(engine, settled(engine, chosen, scene))
+    once = Run(engine.name, engine.version, dict(chosen), Failure("error", "build", 0.0, ""), lead=ahead)
     first, wall, cpu = _attempt(engine, scene, times, chosen, once)
     if repeats <= 1 or not isinstance(first.outcome, Trajectory):
         return _timed(first, [wall], [cpu], [first]) if wall else first

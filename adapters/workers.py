@@ -29,7 +29,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from adapters import registry
-from adapters.engine import Settings, checked_settings, lead
+from adapters.engine import Settings, checked_settings, lead, settled
 from adapters.run import Failure, Run, checked_times
 from adapters.scratch import Scratch
 from mechanics.scene import Scene
@@ -137,7 +137,7 @@ class Worker:
             self._engine.version,
             dict(chosen),
             Failure("error", "import", 0.0, ""),
-            lead=lead(self._engine, chosen),
+            lead=lead(self._engine, settled(self._engine, chosen, scene)),
         )
         with self._busy:
             self._scratch.clear()
