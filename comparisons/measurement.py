@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from adapters.run import Run
 from mechanics.scene import Scene
 from mechanics.trajectory import Trajectory
@@ -23,6 +25,10 @@ class Case:
     def scene(self) -> Scene:
         """The scene that was run."""
         return self.scenario.scene
+
+    def asks(self, quantity: str) -> bool:
+        """Whether the scenario demands something of `quantity`."""
+        return any(check.quantity == quantity for check in self.scenario.checks)
 
 
 @dataclass(frozen=True)
@@ -46,6 +52,18 @@ class Quantity:
     unit: str
     time: float = math.nan
     text: str = ""
+
+    @staticmethod
+    def worst(name: str, series: np.ndarray, unit: str, t: np.ndarray, scale: float = 1.0, text: str = "") -> Quantity:
+        """The largest value of `series` (T,) over `scale`, with the time at which it was attained.
+
+        0 over a scale of 0 is 0, anything else over it is infinite; NaN in the series gives NaN.
+        """
+        worst = int(np.argmax(series))
+        value = float(series[worst])
+        if value != 0.0:
+            value = value / scale if scale else math.inf
+        return Quantity(name, value, unit, float(t[worst]), text)
 
 
 @dataclass(frozen=True)
