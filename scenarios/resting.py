@@ -1,0 +1,79 @@
+"""A box and stacks of boxes that must stay where they are."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mechanics.effects import Friction, Gravity, Resting, Rotation
+from mechanics.scene import Body, Scene
+from mechanics.shapes import Box, HalfSpace
+from mechanics.trajectory import Trajectory
+from scenarios.motion import Motion, constant, trajectory, vectors
+from scenarios.scenario import Check, Scenario, Truth, scenario
+from scenarios.tolerance import GRAVITY, STEP, first_order
+
+EDGE = 0.5  # [m]; a binary fraction: stacked boxes touch with a gap of 0 bit by bit
+
+
+def still(scene: Scene) -> Truth:
+    """Nothing moves."""
+
+    def truth(t: np.ndarray) -> Trajectory:
+        places = scene.start().x
+        at_rest = {scene.names[i]: Motion(constant(t, places[i]), vectors(t)) for i in scene.moving}
+        return trajectory(scene, t, at_rest)
+
+    return truth
+
+
+def still_checks(contacts: int) -> tuple[Check, ...]:
+    """What is demanded of bodies at rest with `contacts` contacts between the floor and the highest."""
+    sink = 10.0 * contacts * GRAVITY * STEP**2
+    return (
+        first_order("drift", sink, "m", f"10 g h² at each of {contacts} contact(s): gravity moves g h² in a step"),
+        first_order("velocity error", GRAVITY * STEP, "m/s", "g h: what gravity adds in one step"),
+        first_order("penetration", sink, "m", f"10 g h² at each of {contacts} contact(s)"),
+    )
+
+
+@scenario(tags=("resting", "box"))
+def resting_box() -> Scenario:
+    """A flat box of 7 kg lies on a floor for five seconds.  Nothing must happen.
+
+    Its weight is held by four corners whose single forces are not unique; sinking, creeping and
+    trembling show what a contact solver leaves undone.
+    """
+    box = Body("box", Box((2.0, 1.0, 0.5)), mass=7.0, position=(0.0, 0.0, 0.25))
+    scene = Scene((Body("floor", HalfSpace()), box), (Gravity(), Resting(), Rotation()))
+    return Scenario(
+        scene=scene,
+        duration=5.0,
+        sampling=0.05,
+        truth=still(scene),
+        checks=still_checks(1),
+        source="statics; Baraff, SIGGRAPH 1994",
+        about=(Gravity, Resting),
+    )
+
+
+@scenario(
+    tags=("resting", "stack", "box"), variants=({"count": 2}, {"count": 5}, {"count": 10}), ranges={"count": (1, 200)}
+)
+def stack(count: int = 2) -> Scenario:
+    """Two, five or ten equal boxes stand on each other for three seconds.  Nothing must happen.
+
+    The lowest contact carries the whole stack: solvers that stop early let it sink, lean and in the
+    end fall.
+    """
+    boxes = [Body(f"box-{k + 1}", Box((EDGE, EDGE, EDGE)), 1.0, (0.0, 0.0, EDGE * (k + 0.5))) for k in range(count)]
+    effects = (Gravity(), Friction(0.5), Resting(), Rotation())
+    scene = Scene((Body("floor", HalfSpace()), *boxes), effects)
+    return Scenario(
+        scene=scene,
+        duration=3.0,
+        sampling=0.05,
+        truth=still(scene),
+        checks=still_checks(count),
+        source="statics: contact k carries the weight above it",
+        about=(Gravity, Resting, Friction),
+    )
