@@ -1,0 +1,111 @@
+"""Markdown summary: verdict table, findings and reproduce lines, below the limit of a job summary."""
+
+from __future__ import annotations
+
+import re
+
+from comparisons.cell import Campaign
+from reports.findings import findings
+from reports.matrix import Entry, matrix
+from reports.numbers import count
+from reports.standing import groups, lead_sentence
+from reports.verdict import LEGEND, RED, case_name, totals
+
+LIMIT = 1_000_000  # bytes; GitHub cuts a job summary off at 1 MiB
+
+
+def markdown(campaign: Campaign, limit: int = LIMIT) -> str:
+    """Summary of the campaign as GitHub-flavoured Markdown of at most `limit` bytes.
+
+    What does not fit is left out line by line from the end of the longest parts, and the text says what
+    and how much.
+    """
+    head, table = _head(campaign), _table(campaign)
+    parts = [("verdict rows", table), ("findings", _findings(campaign)), ("reproduce lines", _reproduce(campaign))]
+    room = limit - _size(head) - 400  # what is left out is told in at most this many bytes
+    told = []
+    text = head
+    for noun, lines in parts:
+        kept = _fitting(lines, room)
+        room -= sum(_size([line]) for line in kept)
+        text += kept
+        if len(kept) < len(lines):
+            if noun == "reproduce lines" and kept:
+                text.append("```")
+            told.append(f"{len(lines) - len(kept)} of {len(lines)} lines of {noun}")
+    if told:
+        text += [
+            "",
+            f"**Cut to {limit} bytes: left out {', '.join(told)}. The page and the CSV files hold everything.**",
+        ]
+    return "\n".join(text) + "\n"
+
+
+def _fitting(lines: list[str], room: int) -> list[str]:
+    kept = []
+    for line in lines:
+        room -= _size([line])
+        if room < 0:
+            break
+        kept.append(line)
+    return kept
+
+
+def _size(lines: list[str]) -> int:
+    return sum(len(line.encode("utf-8", "replace")) + 1 for line in lines)
+
+
+def _head(campaign: Campaign) -> list[str]:
+    labels = len({c.scenario for c in campaign.cells})
+    lines = [f"# {plain(campaign.title or campaign.id)}", ""]
+    sections = groups(campaign)
+    for group in sections:
+        name = f"**{group.title}.** " if len(sections) > 1 else ""
+        lines += [f"{name}{plain(lead_sentence(group, labels))}", ""]
+    legend = " · ".join(f"{glyph} {word}: {meaning}" for glyph, word, meaning in LEGEND)
+    return [*lines, f"{totals(campaign)}.", "", f"{legend}. The number is error / tolerance: above 1 fails.", ""]
+
+
+def _table(campaign: Campaign) -> list[str]:
+    shown = matrix(campaign)
+    lines = ["| scenario | decides | " + " | ".join(plain(e) for e in shown.engines) + " |"]
+    lines.append("|---|---|" + "---|" * len(shown.engines))
+    for row in shown.rows:
+        entries = " | ".join(_entry(e) for e in row.entries)
+        lines.append(f"| {plain(row.scenario)} | {plain(row.decides)} | {entries} |")
+    lines.append("")
+    lines += [f"{n}. {plain(text)}" for n, text in enumerate(shown.footnotes, 1)]
+    return [*lines, ""]
+
+
+def _entry(entry: Entry | None) -> str:
+    if entry is None:
+        return ""
+    note = f" [{entry.note}]" if entry.note else ""
+    return f"{entry.mark.glyph} {entry.mark.word} {plain(entry.ratio)}".rstrip() + note
+
+
+def _findings(campaign: Campaign) -> list[str]:
+    lines = []
+    for chapter in findings(campaign):
+        lines += [f"## {chapter.glyph} {chapter.title} ({count(chapter.amount, 'cell')})", ""]
+        for engine, own in chapter.by_engine:
+            for finding in own:
+                where = ", ".join(plain(c.scenario) for c, _ in finding.cells)
+                lines.append(f"- **{plain(engine)}** on {where}: {plain(finding.reason)}")
+        lines.append("")
+    return lines
+
+
+def _reproduce(campaign: Campaign) -> list[str]:
+    cells = [c for c in campaign.cells if c.state in RED and c.reproduce]
+    if not cells:
+        return []
+    lines = [f"# {case_name(c)} on {c.scenario}: {c.state}\n{c.reproduce}" for c in cells]
+    return ["## Reproduce", "", "```sh", *(line.replace("`", "'") for line in lines), "```"]
+
+
+def plain(text: str) -> str:
+    """`text` as Markdown that shows it as it is: on one line, without links, tables or HTML of its own."""
+    flat = re.sub(r"\s+", " ", text).strip()
+    return re.sub(r"([\\`*_\[\]<>|#~&])", r"\\\1", flat)

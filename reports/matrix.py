@@ -1,0 +1,140 @@
+"""The verdict matrix: scenarios down, engines across; the same for page, Markdown and terminal."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from comparisons.cell import Campaign, Cell
+from comparisons.measurement import Measurement
+from reports.numbers import short, with_unit
+from reports.verdict import (
+    ABSENT,
+    BROKEN,
+    Mark,
+    anchor,
+    chosen,
+    description,
+    engines,
+    mark,
+    ratio_text,
+    scenarios,
+    sentence,
+)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One cell as the matrix shows it.
+
+    Attributes
+    ----------
+    cell, mark
+    ratio : str
+        "0.42× tol", or "".
+    quantity : str
+        The quantity that decides here, where it is not the one that decides in most of the row.
+    note : int or None
+        Number of the footnote.
+    hover : str
+        The whole story.
+    anchor : str
+        Fragment of the cell's entry among all cells.
+    others : int
+        Cells of the same scenario and engine with other settings.
+    """
+
+    cell: Cell
+    mark: Mark
+    ratio: str
+    quantity: str
+    note: int | None
+    hover: str
+    anchor: str
+    others: int
+
+
+@dataclass(frozen=True)
+class Row:
+    """One scenario.  `decides` names the deciding quantity and its tolerance; `more` counts the other checks."""
+
+    scenario: str
+    decides: str
+    more: int
+    entries: tuple[Entry | None, ...]
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """Engines across (fair first), scenarios down, and the footnotes: number n is `footnotes[n - 1]`."""
+
+    engines: tuple[str, ...]
+    rows: tuple[Row, ...]
+    footnotes: tuple[str, ...]
+
+
+def matrix(campaign: Campaign) -> Matrix:
+    """The verdict matrix of a campaign."""
+    table, order = chosen(campaign), engines(campaign)
+    fragments = {id(c): name for c, name in zip(campaign.cells, anchor(campaign).values(), strict=True)}
+    amount = Counter((c.scenario, c.engine) for c in campaign.cells)
+    notes: dict[str, int] = {}
+    rows = []
+    for scenario in scenarios(campaign):
+        cells = [table.get((scenario, e)) for e in order]
+        decisive = _decisive([c for c in cells if c])
+        entries = []
+        for cell in cells:
+            if cell is None:
+                entries.append(None)
+                continue
+            text = footnote(cell)
+            number = notes.setdefault(text, len(notes) + 1) if text else None
+            other = cell.worst.quantity if cell.worst and decisive and cell.worst.quantity != decisive.quantity else ""
+            others = amount[scenario, cell.engine] - 1
+            entries.append(
+                Entry(cell, mark(cell), _ratio(cell), other, number, _hover(cell), fragments[id(cell)], others)
+            )
+        checks = description(campaign, scenario)["checks"]
+        rows.append(Row(scenario, _decides(decisive, checks), max(len(checks) - 1, 0), tuple(entries)))
+    return Matrix(tuple(order), tuple(rows), tuple(notes))
+
+
+def footnote(cell: Cell) -> str:
+    """What must be said of the cell besides its verdict: why it has none, what is on record, what is approximated."""
+    if cell.state in ABSENT or cell.state in BROKEN:
+        return f"{cell.engine}: {sentence(cell)}"
+    if cell.known:
+        return f"{cell.engine}, on record: {cell.known}"
+    return f"{cell.engine}: {' '.join(cell.notes)}" if cell.notes else ""
+
+
+def _ratio(cell: Cell) -> str:
+    if cell.state in ABSENT:
+        return ""
+    if cell.state in BROKEN:
+        return f"at {short(cell.time)} s" if cell.time > 0.0 else cell.stage
+    return ratio_text(cell) or next((m.text for m in cell.measurements if m.text), "")
+
+
+def _hover(cell: Cell) -> str:
+    return f"{cell.scenario}, {cell.engine}: {mark(cell).word}. {sentence(cell)}"
+
+
+def _decisive(cells: Sequence[Cell]) -> Measurement | None:
+    """The measurement whose quantity is the worst in most cells of the row; the first of equals."""
+    worst = [c.worst for c in cells if c.worst is not None]
+    if not worst:
+        return None
+    name = Counter(m.quantity for m in worst).most_common(1)[0][0]
+    return next(m for m in worst if m.quantity == name)
+
+
+def _decides(decisive: Measurement | None, checks: Sequence[dict]) -> str:
+    if decisive is not None:
+        return f"{decisive.quantity} ≤ {with_unit(decisive.tolerance, decisive.unit)}"
+    if checks and not math.isnan(checks[0].get("tolerance", math.nan)):
+        return f"{checks[0].get('quantity', '')} ≤ {short(checks[0]['tolerance'])}"
+    return "named, not judged"

@@ -1,0 +1,159 @@
+"""Energy and motion over time, from recorded motions.
+
+Display only: at most two points per pixel, the least and the largest value that fall on it, so that no
+peak is lost.  Verdicts never come from here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from comparisons.cell import Campaign, Cell
+from mechanics.trajectory import Trajectory
+from reports.figures import Axis, Figure, Series
+from reports.verdict import RED, chosen, engines, scenarios
+
+if TYPE_CHECKING:
+    from adapters.run import Run
+    from scenarios.scenario import Scenario
+
+BUCKETS = 160
+MOST_SCENES = 12
+
+
+def time_series(
+    campaign: Campaign,
+    traces: Mapping[str, Trajectory | Run],
+    known: Mapping[str, Scenario],
+    most: int = MOST_SCENES,
+) -> list[tuple[str, list[Figure]]]:
+    """Figures of energy and of the body that travels farthest, per scenario.
+
+    Parameters
+    ----------
+    traces : mapping
+        Key of a cell -> its motion; a `Run` brings also the time by which its positions run ahead of its
+        velocities, so that energy is synchronised.
+    known : mapping
+        Label -> Scenario: without one a scenario has neither energy nor truth.
+    most : int
+        Scenarios to show at most; those with a red cell come first.
+
+    Returns
+    -------
+    list of (label, figures), in the order of every table.
+    """
+    table = {place: cell for place, cell in chosen(campaign).items() if cell.key in traces}
+    labels = [s for s in scenarios(campaign) if any(place[0] == s for place in table)]
+    red = {s for (s, _), cell in table.items() if cell.state in RED}
+    kept = set(sorted(labels, key=lambda s: s not in red)[:most])
+    shown = []
+    for label in labels:
+        cells = [table[label, e] for e in engines(campaign) if (label, e) in table]
+        if label in kept:
+            shown.append((label, _figures(cells, traces, known.get(label))))
+    return shown
+
+
+def look_up(campaign: Campaign) -> dict[str, Scenario]:
+    """Scenarios of the catalogue that the campaign ran, in the version it ran; unknown labels are left out."""
+    from scenarios.catalogue import find
+
+    versions = {c.scenario: c.version for c in campaign.cells}
+    found = {}
+    for label, version in versions.items():
+        try:
+            candidates = find(label)
+        except ValueError:
+            continue  # a user's own scene, or one that has left the catalogue
+        found |= {s.name: s for s in candidates if s.name == label and s.version == version}
+    return found
+
+
+def _figures(cells: Sequence[Cell], traces: Mapping[str, Trajectory | Run], known: Scenario | None) -> list[Figure]:
+    motions = {c.engine: _motion(traces[c.key]) for c in cells}
+    motions = {engine: m for engine, m in motions.items() if len(m[0])}
+    if not motions:
+        return []
+    truth = None
+    if known is not None and known.truth is not None:
+        longest = max((m[0].t for m in motions.values()), key=len)
+        truth = known.truth(longest)
+    figures = [_travel(motions, truth, known)]
+    if known is not None:
+        figures.insert(0, _energy(motions, known))
+    return figures
+
+
+def _motion(trace: Trajectory | Run) -> tuple[Trajectory, float]:
+    """Trajectory and the time by which its positions run ahead of its velocities [s]."""
+    if isinstance(trace, Trajectory):
+        return trace, 0.0
+    found = trace.trajectory
+    return (found if found is not None else _nothing(), trace.lead)
+
+
+def _nothing() -> Trajectory:
+    none = np.zeros((0, 0, 3))
+    return Trajectory(np.zeros(0), none, np.zeros((0, 0, 4)), none, none)
+
+
+def _energy(motions: Mapping[str, tuple[Trajectory, float]], known: Scenario) -> Figure:
+    from comparisons.energy import mechanical_energy
+
+    values = {e: mechanical_energy(known.scene, m, lead, known.duration) for e, (m, lead) in motions.items()}
+    series = [_series(e, motions[e][0].t, values[e] - values[e][0]) for e in motions]
+    synchronised = any(lead for _, lead in motions.values())
+    title = "Energy gained since the start" + (", synchronised" if synchronised else "")
+    size = max(float(np.abs(v).max()) for v in values.values())
+    return _figure(title, "E − E(0) [J]", series, least_span=1e-6 * size)
+
+
+def _travel(
+    motions: Mapping[str, tuple[Trajectory, float]], truth: Trajectory | None, known: Scenario | None
+) -> Figure:
+    """The coordinate that changes most, by the truth if there is one, else by the first engine."""
+    guide = truth if truth is not None and np.isfinite(truth.x).any() else next(iter(motions.values()))[0]
+    span = np.nanmax(guide.x, axis=0) - np.nanmin(guide.x, axis=0)
+    body, axis = np.unravel_index(int(np.nanargmax(span)), span.shape)
+    name = known.scene.names[body] if known is not None else f"body {body + 1}"
+    letter = "xyz"[axis]
+    series = [_series(e, m.t, m.x[:, body, axis]) for e, (m, _) in motions.items()]
+    if truth is not None:
+        series.insert(0, _series("", truth.t, truth.x[:, body, axis]))
+    what = "Height" if letter == "z" else f"Position along {letter}"
+    return _figure(f"{what} of {name}", f"{letter} [m]", series)
+
+
+def _figure(title: str, label: str, series: Sequence[Series], least_span: float = 0.0) -> Figure:
+    y = Axis(label, least_span=least_span)
+    return Figure(title, Axis("time [s]"), y, tuple(series), summary=f"{title} over time")
+
+
+def _series(engine: str, t: np.ndarray, y: np.ndarray) -> Series:
+    kept_t, kept_y = extremes(t, y, BUCKETS)
+    return Series(engine, kept_t.tolist(), kept_y.tolist(), joined=True, marked=False)
+
+
+def extremes(t: np.ndarray, y: np.ndarray, buckets: int) -> tuple[np.ndarray, np.ndarray]:
+    """The least and the largest value of each of `buckets` equal stretches, and both ends, in order of time.
+
+    Curves of at most 2 `buckets` points come back as they are.  NaN are kept out of the comparison; a
+    stretch of nothing else gives one NaN.
+    """
+    if len(t) <= 2 * buckets:
+        return t, y
+    keep = [0, len(t) - 1]
+    edges = np.linspace(0, len(t), buckets + 1).astype(int)
+    for start, end in pairwise(edges):
+        part = y[start:end]
+        if np.isnan(part).all():
+            keep.append(start)
+        else:
+            keep += [start + int(np.nanargmin(part)), start + int(np.nanargmax(part))]
+    places = np.unique(keep)
+    return t[places], y[places]

@@ -1,0 +1,118 @@
+"""Tables for machines: CSV, Parquet and pandas, at full precision."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from comparisons.cell import Campaign, Cell
+from reports.verdict import ratio
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+IDENTITY = ("run", "cell", "scenario", "family", "version", "engine", "engine_version", "settings", "state")
+MEASUREMENT = ("quantity", "value", "unit", "time", "text", "tolerance", "exact", "ratio", "verdict", "why")
+COLUMNS = (*IDENTITY, *MEASUREMENT, "cost")
+CELL = (
+    *IDENTITY, "tags", "duration", "stage", "reason", "time", "cost", "repeats", "contention", "deterministic",
+    "build_seconds", "digest", "impacts", "worst", "worst_ratio", "known", "notes", "trace", "reproduce",
+)  # fmt: skip
+
+
+def measurement_rows(campaign: Campaign) -> list[dict[str, Any]]:
+    """One row per measurement: what was measured, where, and the verdict.
+
+    A cell without measurements (refused, not run, broken before the first sample) has no row here; every
+    cell has one in `cell_rows`.
+    """
+    rows = []
+    for cell in campaign.cells:
+        identity = _identity(campaign, cell)
+        cost = {"cost": cell.cost}
+        for m in cell.measurements:
+            rows.append(identity | {n: ratio(m) if n == "ratio" else getattr(m, n) for n in MEASUREMENT} | cost)
+    return rows
+
+
+def cell_rows(campaign: Campaign) -> list[dict[str, Any]]:
+    """One row per cell: state, reason, cost, worst ratio and the command that repeats it."""
+    rows = []
+    for cell in campaign.cells:
+        worst = cell.worst
+        own = {name: getattr(cell, name, None) for name in CELL if name not in IDENTITY}
+        own |= {"tags": " ".join(cell.tags), "notes": "\n".join(cell.notes)}
+        own |= {"worst": worst.quantity if worst else "", "worst_ratio": ratio(worst)}
+        rows.append(_identity(campaign, cell) | own)
+    return rows
+
+
+def _identity(campaign: Campaign, cell: Cell) -> dict[str, Any]:
+    settings = json.dumps(dict(cell.settings), sort_keys=True)
+    special = {"run": campaign.id, "cell": cell.key, "settings": settings}
+    identity = {name: special[name] if name in special else getattr(cell, name) for name in IDENTITY}
+    return identity
+
+
+def frame(campaign: Campaign) -> pd.DataFrame:
+    """Tidy table of the campaign, one row per measurement.
+
+    Returns
+    -------
+    DataFrame
+        Columns `run`, `cell`, `scenario`, `family`, `version`, `engine`, `engine_version`, `settings` (JSON),
+        `state`, the fields of `Measurement`, `ratio` (error over tolerance; NaN if nothing is demanded), `cost`
+        (CPU seconds per simulated second) and one column `setting.NAME` per setting.
+    """
+    import pandas as pd
+
+    rows = measurement_rows(campaign)
+    table = pd.DataFrame(rows, columns=list(COLUMNS))
+    return table.assign(**_setting_columns(campaign, [r["cell"] for r in rows]))
+
+
+def cells_frame(campaign: Campaign) -> pd.DataFrame:
+    """Table of the campaign, one row per cell; columns as in `cells.csv`."""
+    import pandas as pd
+
+    return pd.DataFrame(cell_rows(campaign), columns=list(CELL))
+
+
+def _setting_columns(campaign: Campaign, keys: Sequence[str]) -> dict[str, list[Any]]:
+    """One column per setting; words where any engine's value is a word, numbers otherwise."""
+    by_key = {c.key: c.settings for c in campaign.cells}
+    columns = {}
+    for name in sorted({name for settings in by_key.values() for name in settings}):
+        words = any(isinstance(settings.get(name), str) for settings in by_key.values())
+        values = [by_key[key].get(name) for key in keys]
+        columns[f"setting.{name}"] = (
+            [None if v is None else str(v) for v in values] if words else [math.nan if v is None else v for v in values]
+        )
+    return columns
+
+
+def write_csv(rows: Iterable[Mapping[str, Any]], columns: Sequence[str], path: Path) -> Path:
+    """Write `rows` as CSV (RFC 4180, UTF-8); floats with all digits needed to read them back exactly."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows({name: _plain(row.get(name)) for name in columns} for row in rows)
+    return path
+
+
+def write_parquet(campaign: Campaign, path: Path) -> Path:
+    """Write `frame(campaign)` as Parquet (zstd)."""
+    frame(campaign).to_parquet(path, compression="zstd", index=False)
+    return path
+
+
+def _plain(value: Any) -> Any:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return ""
+    if isinstance(value, str):
+        return value.encode("utf-8", "replace").decode()
+    return repr(value) if isinstance(value, float) else value
