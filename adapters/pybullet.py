@@ -23,6 +23,7 @@ from adapters.translate import (
     TIME_STEPS,
     anchor_speed,
     factors,
+    from_z,
     installed_version,
     joined,
     muted,
@@ -42,7 +43,7 @@ from mechanics.effects import (
     Spring,
 )
 from mechanics.inertia import principal
-from mechanics.rotation import IDENTITY, about, conjugate, product, rotate, unrotate
+from mechanics.rotation import IDENTITY, conjugate, product, rotate, unrotate
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Sphere, bounding_radius
 from mechanics.trajectory import State
@@ -413,16 +414,7 @@ def _ground_pose(scene: Scene, body: Body) -> tuple[list[float], Quat]:
     origin = np.array(body.position)
     middle = np.mean([scene.bodies[i].position for i in scene.moving] or [origin], axis=0)
     foot = middle - normal * float(normal @ (middle - origin))
-    return (foot - GROUND[1] * normal).tolist(), _from_z(normal)
-
-
-def _from_z(normal: np.ndarray) -> Quat:
-    """The shortest rotation that carries the z axis into `normal`."""
-    axis = np.array([-normal[1], normal[0], 0.0])
-    length = float(np.linalg.norm(axis))
-    if length < 1e-12:
-        return np.array(IDENTITY) if normal[2] > 0.0 else np.array([0.0, 1.0, 0.0, 0.0])
-    return about(axis / length, math.atan2(length, normal[2]))
+    return (foot - GROUND[1] * normal).tolist(), from_z(normal)
 
 
 def _hull_margin(scene: Scene) -> str | None:

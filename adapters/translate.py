@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -12,8 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from adapters.engine import Refusal
+from mechanics.arrays import Quat
 from mechanics.effects import Hinge, PairEffect, Restitution, Rod
-from mechanics.rotation import rotate
+from mechanics.rotation import IDENTITY, about, rotate
 from mechanics.scene import Scene
 
 TIME_STEPS = tuple(1.0 / (60 * 2**k) for k in range(9))  # 1/60 s halved down to 1/15360 s
@@ -65,6 +67,15 @@ def world_anchor(scene: Scene, name: str, anchor: Sequence[float]) -> np.ndarray
     """Place of a body-fixed `anchor` at the start, world frame [m]."""
     body = scene.body(name)
     return np.array(body.position) + rotate(np.array(body.orientation), np.array(anchor))
+
+
+def from_z(normal: np.ndarray) -> Quat:
+    """The shortest rotation that carries the z axis into `normal`."""
+    axis = np.array([-normal[1], normal[0], 0.0])
+    length = float(np.linalg.norm(axis))
+    if length < 1e-12:
+        return np.array(IDENTITY) if normal[2] > 0.0 else np.array([0.0, 1.0, 0.0, 0.0])
+    return about(axis / length, math.atan2(length, normal[2]))
 
 
 def joined(scene: Scene) -> tuple[tuple[str, str], ...]:

@@ -1,0 +1,594 @@
+"""MuJoCo: `mujoco` (fair) and `mujoco:stock` (the defaults of a model file).
+
+MuJoCo has no coefficient of restitution: its contacts are springs and dampers.  A damper that acts
+for exactly one step is Newton's law, though: with stiffness 0, damping (1 + e)/h and an impedance d
+that does not vary with depth a contact changes the approach u into
+
+    u⁺ = u - d (1 + e) u + (1 - d) g h,    d = 0.9999,
+
+whatever the masses.  The parameters depend on the step h and are written anew for every h.  Every
+figure quoted here was measured with MuJoCo 4.0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from adapters.engine import Clock, ContactForce, Diverged, Knob, Refusal, Settings
+from adapters.pushes import Motion, Push, pusher
+from adapters.translate import TIME_STEPS, anchor_speed, from_z, installed_version, joined
+from mechanics.arrays import Quat, Triple, Vec3
+from mechanics.effects import (
+    Drag,
+    Force,
+    Friction,
+    Gravity,
+    Hinge,
+    Resting,
+    Restitution,
+    Rod,
+    Rotation,
+    Spring,
+    Tether,
+)
+from mechanics.inertia import principal
+from mechanics.rotation import IDENTITY, conjugate, product, rotate, unrotate
+from mechanics.scene import Body, Scene
+from mechanics.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Sphere
+from mechanics.trajectory import State
+
+INTEGRATORS = {"Euler": "mjINT_EULER", "implicitfast": "mjINT_IMPLICITFAST", "RK4": "mjINT_RK4"}
+IMPEDANCE = (0.9999, 0.9999, 0.001, 0.5, 2.0)  # constant in depth; 0.9999 is the largest MuJoCo allows
+CORRECTION = 0.01  # share of the overlap undone per step: the largest with which a stack of 100 stands
+
+
+@dataclass
+class Draft:
+    """A world that is still a vacuum, and what has been switched on."""
+
+    scene: Scene
+    gravity: Triple = (0.0, 0.0, 0.0)
+    turns: bool = False
+    drags: list[Drag] = field(default_factory=list)
+    forces: list[Force] = field(default_factory=list)
+    links: list[Spring | Rod | Tether] = field(default_factory=list)
+    hinges: dict[int, tuple[int, Hinge]] = field(default_factory=dict)  # child -> (parent, hinge)
+
+
+@dataclass
+class World:
+    """A compiled model with its data; `joints` and `bodies` are MuJoCo's numbers in scene order (-1: none)."""
+
+    scene: Scene
+    model: Any
+    data: Any
+    clock: Clock
+    turns: bool
+    hinged: bool
+    bodies: list[int]
+    joints: list[int]
+    pushes: list[Push] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+
+class MuJoCo:
+    """MuJoCo with one set of settings, as an engine.
+
+    Parameters
+    ----------
+    name : str
+    stock : bool
+        Only masses, shapes, friction and gravity are set.
+    knobs, defaults, profile, known
+        As in `adapters.engine.Engine`; `known`: law of `check_engine` -> why this profile breaks it.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        stock: bool,
+        knobs: Mapping[str, tuple[Knob, ...]],
+        defaults: Mapping[str, Knob],
+        profile: Mapping[str, str],
+        known: Mapping[str, str] | None = None,
+    ) -> None:
+        self.name, self.stock = name, stock
+        self.knobs, self.defaults, self.profile, self.known = knobs, defaults, profile, known or {}
+        self.effects = {
+            Gravity: self._gravity,
+            Rotation: self._rotation,
+            Drag: self._drag,
+            Force: self._force,
+            Spring: self._link,
+            Rod: self._link,
+            Tether: self._link,
+            Hinge: self._hinge,
+            Restitution: self._restitution,
+            Friction: self._friction,
+            Resting: self._resting,
+        }
+
+    @property
+    def version(self) -> str:
+        """Version of the installed MuJoCo; ImportError if there is none."""
+        return installed_version("mujoco-core", "mujoco")
+
+    @cached_property
+    def _mujoco(self) -> ModuleType:
+        import mujoco
+
+        return mujoco
+
+    def settle(self, settings: Settings, scene: Scene) -> Settings:
+        """Integrator `auto` becomes RK4 where nothing can touch or go taut, and Euler elsewhere.
+
+        A damper that acts for one step is lost between the four stages of RK4.
+        """
+        if settings["integrator"] != "auto":
+            return settings
+        return {**settings, "integrator": "RK4" if _smooth(scene) else "Euler"}
+
+    def lead(self, settings: Settings) -> float:
+        """Half a step for the semi-implicit integrators, none for RK4 [s]."""
+        return 0.0 if settings["integrator"] == "RK4" else 0.5 * float(settings["dt"])
+
+    def vacuum(self, scene: Scene) -> Draft:
+        """Draft in which nothing acts.
+
+        Raises
+        ------
+        Refusal
+            For moving fixed bodies and non-convex meshes.
+        """
+        for body in scene.bodies:
+            if body.fixed and any((*body.velocity, *body.acceleration)):
+                raise Refusal(f"MuJoCo's fixed bodies have no velocity in contact; {body.name!r} is fixed and moves")
+            if isinstance(body.shape, Mesh) and not body.shape.convex:
+                raise Refusal(f"MuJoCo collides the convex hull of the mesh {body.name!r}, which is not convex")
+        return Draft(scene)
+
+    def _gravity(self, draft: Draft, effect: Gravity) -> str | None:
+        draft.gravity = effect.acceleration
+        return self._integrator_note(draft.scene)
+
+    def _rotation(self, draft: Draft, _: Rotation) -> str | None:
+        draft.turns = True
+        return None if Gravity in draft.scene.needs else self._integrator_note(draft.scene)
+
+    def _integrator_note(self, scene: Scene) -> str | None:
+        if self.stock or not _smooth(scene):
+            return None
+        return "integrator auto is RK4 here: nothing in this scene can touch"
+
+    def _drag(self, draft: Draft, effect: Drag) -> None:
+        draft.drags.append(effect)
+
+    def _force(self, draft: Draft, effect: Force) -> None:
+        draft.forces.append(effect)
+
+    def _link(self, draft: Draft, effect: Spring | Rod | Tether) -> str | None:
+        draft.links.append(effect)
+        return None if isinstance(effect, Spring) else f"{type(effect).__name__}: a tendon, soft within one step"
+
+    def _restitution(self, draft: Draft, effect: Restitution) -> str | None:
+        if self.stock:
+            return "MuJoCo has no coefficient of restitution: with stock contacts a ball rebounds at 0.13 of its speed"
+        return None
+
+    def _friction(self, draft: Draft, effect: Friction) -> str | None:
+        if self.stock and len(set(effect.values())) > 1:
+            raise Refusal(f"{self.name} has one friction coefficient per body and takes the larger of two")
+        return "Friction: MuJoCo's convex cone lifts a sliding body, by up to µ v dt b with b the friction damping"
+
+    def _resting(self, draft: Draft, _: Resting) -> str:
+        return (
+            "Resting: contacts are soft; an overlap decays by 1 % a step"
+            if not self.stock
+            else "Resting: soft contacts"
+        )
+
+    def _hinge(self, draft: Draft, effect: Hinge) -> None:
+        scene = draft.scene
+        if Rotation not in scene.needs:
+            raise Refusal("a hinge between bodies that may not turn")
+        speed = anchor_speed(scene, effect)
+        if speed > 1e-9:
+            raise Refusal(f"Hinge {effect.a!r}-{effect.b!r}: its two sides part at {speed:g} m/s at the start")
+        if not draft.hinges:
+            draft.hinges.update(_tree(scene))
+
+    def start(self, draft: Draft, knobs: Settings) -> World:
+        """World compiled from the draft.
+
+        Raises
+        ------
+        Refusal
+            For RK4 in a scene with contacts, rods or tethers.
+        """
+        mj, scene = self._mujoco, draft.scene
+        settings = self.settle(knobs, scene)
+        if settings["integrator"] == "RK4" and not _smooth(scene) and not self.stock:
+            raise Refusal("contacts, rods and tethers that act for one step are lost in RK4; use Euler or auto")
+        spec = self._spec(draft, settings)
+        model = spec.compile()
+        data = mj.MjData(model)
+        bodies = [self._number(model, "mjOBJ_BODY", f"body{i}") for i in range(len(scene.bodies))]
+        joints = [self._number(model, "mjOBJ_JOINT", f"joint{i}") for i in range(len(scene.bodies))]
+        clock = Clock(float(settings["dt"]))
+        world = World(scene, model, data, clock, draft.turns, bool(draft.hinges), bodies, joints)
+        self._set_motion(world, draft)
+        self._set_loads(world, draft)
+        return world
+
+    def _number(self, model: Any, kind: str, name: str) -> int:
+        return int(self._mujoco.mj_name2id(model, getattr(self._mujoco.mjtObj, kind), name))
+
+    def _spec(self, draft: Draft, settings: Settings) -> Any:
+        mj, scene = self._mujoco, draft.scene
+        spec = mj.MjSpec()
+        option = spec.option
+        option.timestep = float(settings["dt"])
+        option.gravity = draft.gravity
+        option.integrator = getattr(mj.mjtIntegrator, INTEGRATORS[str(settings["integrator"])])
+        option.iterations = int(settings["iterations"])
+        # without it a bad state is silently replaced by the initial one
+        option.disableflags = int(mj.mjtDisableBit.mjDSBL_AUTORESET)
+        if not self.stock:
+            option.cone = mj.mjtCone.mjCONE_ELLIPTIC
+            option.tolerance = float(settings["tolerance"])
+            option.enableflags = int(mj.mjtEnableBit.mjENBL_DIAGEXACT)
+        made: dict[int, Any] = {}
+        for i in _parents_first(scene, draft.hinges):
+            self._add(spec, draft, i, made)
+        for n, link in enumerate(draft.links):
+            self._tie(spec, draft, n, link, made)
+        if self.stock:
+            for a, b in joined(scene):
+                spec.add_exclude(bodyname1=f"body{scene.index(a)}", bodyname2=f"body{scene.index(b)}")
+        else:
+            for i, j in scene.pairs():
+                self._pair(spec, scene, i, j, float(settings["dt"]))
+        return spec
+
+    def _add(self, spec: Any, draft: Draft, i: int, made: dict[int, Any]) -> None:
+        """Body i with its joints and its shape."""
+        body = draft.scene.bodies[i]
+        parent, hinge = draft.hinges.get(i, (None, None))
+        above = None if parent is None or draft.scene.bodies[parent].fixed else draft.scene.bodies[parent]
+        frame = _frame(body, draft.turns)
+        position, orientation = np.array(body.position), frame
+        if above is not None:
+            base = np.array(above.orientation)
+            position = unrotate(base, position - np.array(above.position))
+            orientation = product(conjugate(base), frame)
+        holder = spec.worldbody if above is None else made[parent]
+        made[i] = child = holder.add_body(name=f"body{i}", pos=position, quat=orientation)
+        if not body.fixed:
+            self._let_move(child, body, i, draft.turns, hinge)
+            self._weigh(child, body)
+        if draft.scene.touching or self.stock:
+            self._shape(spec, child, draft, i, product(conjugate(frame), np.array(body.orientation)))
+
+    def _let_move(self, child: Any, body: Body, i: int, turns: bool, hinge: Hinge | None) -> None:
+        mj = self._mujoco
+        if hinge is not None:
+            q = np.array(body.orientation)
+            point = unrotate(q, np.subtract(hinge.point, body.position))
+            axis = unrotate(q, np.array(hinge.axis))
+            child.add_joint(name=f"joint{i}", type=mj.mjtJoint.mjJNT_HINGE, pos=point, axis=axis)
+        elif turns:
+            child.add_freejoint(name=f"joint{i}")
+        else:
+            for k, axis in enumerate(np.eye(3)):
+                child.add_joint(name=f"joint{i}{'' if k == 0 else f'.{k}'}", type=mj.mjtJoint.mjJNT_SLIDE, axis=axis)
+
+    def _weigh(self, child: Any, body: Body) -> None:
+        """Mass and inertia of the scene; a stock body gets its inertia from its shape unless the scene names one."""
+        if self.stock and body.inertia is None:
+            return
+        moments, axes = principal(body.inertia_tensor)
+        child.mass, child.inertia = body.mass, moments
+        # left unset they become the body's pose in its parent
+        child.ipos, child.iquat = np.zeros(3), axes
+        child.explicitinertial = True
+
+    def _shape(self, spec: Any, child: Any, draft: Draft, i: int, turned: Quat) -> None:
+        kind, body = self._mujoco.mjtGeom, draft.scene.bodies[i]
+        form: dict[str, Any] = {}
+        match body.shape:
+            case Sphere(radius):
+                form = {"type": kind.mjGEOM_SPHERE, "size": (radius, 0.0, 0.0)}
+            case Box(size):
+                form = {"type": kind.mjGEOM_BOX, "size": [0.5 * s for s in size]}
+            case Capsule(radius, length):
+                form = {"type": kind.mjGEOM_CAPSULE, "size": (radius, 0.5 * length, 0.0)}
+            case Cylinder(radius, length):
+                form = {"type": kind.mjGEOM_CYLINDER, "size": (radius, 0.5 * length, 0.0)}
+            case HalfSpace(normal):
+                form = {"type": kind.mjGEOM_PLANE, "size": (0.0, 0.0, 1.0)}
+                turned = product(turned, from_z(np.array(normal)))
+            case Mesh(vertices, triangles):
+                spec.add_mesh(name=f"mesh{i}", uservert=np.ravel(vertices), userface=np.ravel(triangles))
+                form = {"type": kind.mjGEOM_MESH, "meshname": f"mesh{i}"}
+        # fair: only the explicit pairs collide, so that coefficients belong to pairs
+        collide = int(self.stock and draft.scene.touching)
+        geom = child.add_geom(name=f"shape{i}", quat=turned, contype=collide, conaffinity=collide, **form)
+        if self.stock:
+            effect = draft.scene.effect(Friction)
+            geom.friction = [effect.coefficient if effect else 0.0, 0.005, 0.0001]
+            if not body.fixed:
+                geom.mass = body.mass
+
+    def _pair(self, spec: Any, scene: Scene, i: int, j: int, h: float) -> None:
+        """Contact parameters of one pair for the step h.
+
+        A pair that only rests slides as well: its friction gets 20 ms, because friction that acts
+        within one step lifts a sliding body (33 mm at 2 m/s, whatever the step).
+        """
+        e, mu = scene.restitution(i, j), scene.friction(i, j)
+        rests = Resting in scene.needs
+        slow = rests and e == 0.0
+        spec.add_pair(
+            geomname1=f"shape{i}",
+            geomname2=f"shape{j}",
+            condim=3 if mu > 0.0 else 1,
+            friction=[mu, mu, 0.0, 0.0, 0.0],
+            solref=[-CORRECTION / h**2 if rests else 0.0, -(1.0 + e) / h],
+            solreffriction=[0.02, 1.0] if slow else [0.0, -1.0 / h],
+            solimp=IMPEDANCE,
+        )
+
+    def _tie(self, spec: Any, draft: Draft, n: int, link: Spring | Rod | Tether, made: dict[int, Any]) -> None:
+        """A tendon between two anchors: elastic (Spring), of constant length (Rod), or limited (Tether)."""
+        mj, h = self._mujoco, spec.option.timestep
+        ends = []
+        for name, anchor in ((link.a, link.anchor_a), (link.b, link.anchor_b)):
+            i = draft.scene.index(name)
+            body = draft.scene.bodies[i]
+            local = rotate(product(conjugate(_frame(body, draft.turns)), np.array(body.orientation)), np.array(anchor))
+            ends.append(f"site{n}{len(ends)}")
+            made[i].add_site(name=ends[-1], pos=local)
+        tendon = spec.add_tendon(name=f"tendon{n}")
+        for end in ends:
+            tendon.wrap_site(end)
+        correction = [-CORRECTION / h**2, -1.0 / h]
+        match link:
+            case Spring():
+                tendon.stiffness, tendon.damping = link.stiffness, link.damping
+                tendon.springlength = [link.length, link.length]
+            case Rod():
+                rod = spec.add_equality(type=mj.mjtEq.mjEQ_TENDON, name1=f"tendon{n}", solref=correction)
+                rod.solimp = IMPEDANCE
+            case Tether():
+                tendon.limited, tendon.range = True, [0.0, link.length]
+                tendon.solref_limit = [correction[0], -(1.0 + link.restitution) / h]
+                tendon.solimp_limit = IMPEDANCE
+
+    def _set_motion(self, world: World, draft: Draft) -> None:
+        model, data, scene = world.model, world.data, world.scene
+        for i in scene.moving:
+            body, joint = scene.bodies[i], world.joints[i]
+            at, dof = model.jnt_qposadr[joint], model.jnt_dofadr[joint]
+            if i in draft.hinges:
+                parent, hinge = draft.hinges[i]
+                turning = np.subtract(body.angular_velocity, scene.bodies[parent].angular_velocity)
+                data.qvel[dof] = float(np.dot(hinge.axis, turning))
+                continue
+            data.qvel[dof : dof + 3] = body.velocity
+            if world.turns:
+                q = np.array(body.orientation)
+                data.qpos[at : at + 7] = (*body.position, *body.orientation)
+                data.qvel[dof + 3 : dof + 6] = unrotate(q, np.array(body.angular_velocity))
+
+    def _set_loads(self, world: World, draft: Draft) -> None:
+        """Drag as joint damping and constant forces once for all; what varies becomes a push per step."""
+        hands = _Hands(self._mujoco, world)
+        for drag in draft.drags:
+            if world.hinged:
+                world.pushes.append(pusher(world.scene, drag, hands, world.clock.dt))
+                continue
+            for i in world.scene.moving:
+                if not drag.bodies or world.scene.names[i] in drag.bodies:
+                    dof = world.model.jnt_dofadr[world.joints[i]]
+                    world.model.dof_damping[dof : dof + 3] += drag.linear
+                    if world.turns:
+                        world.model.dof_damping[dof + 3 : dof + 6] += drag.angular
+        varying = any(any(f.point) or f.start > 0.0 or f.end < np.inf for f in draft.forces)
+        for force in draft.forces:
+            if varying or world.pushes:
+                world.pushes.append(pusher(world.scene, force, hands, world.clock.dt))
+            else:
+                hands.push(world.scene.index(force.body), np.array(force.force), np.array(force.torque))
+
+    def advance(self, world: World, duration: float) -> None:
+        """Whole steps closest to `duration` [s], in one call where no force has to be computed per step.
+
+        Raises
+        ------
+        Diverged
+            If MuJoCo counted a warning.
+        """
+        mj, model, data, clock = self._mujoco, world.model, world.data, world.clock
+        steps = clock.steps(duration)
+        if not steps:
+            return
+        # the stock handler writes a log file into the working directory
+        handler = mj.get_mju_user_warning()
+        mj.set_mju_user_warning(world.warnings.append)
+        try:
+            if not world.pushes:
+                mj.mj_step(model, data, nstep=steps)
+            else:
+                self._step_pushed(world, steps)
+        finally:
+            mj.set_mju_user_warning(handler)
+        if any(w.number for w in data.warning):
+            raise Diverged(world.warnings[0] if world.warnings else "MuJoCo counted a warning")
+
+    def _step_pushed(self, world: World, steps: int) -> None:
+        clock = world.clock
+        hands = _Hands(self._mujoco, world)
+        for k in range(clock.count - steps, clock.count):
+            hands.refresh()
+            world.data.xfrc_applied[:] = 0.0
+            for push in world.pushes:
+                push(k * clock.dt)
+            self._mujoco.mj_step(world.model, world.data)
+
+    def read(self, world: World) -> State:
+        """State in scene order, world frame; read from qpos and qvel, because MuJoCo's Cartesian data lag a step."""
+        start = world.scene.start()
+        x, q, v, w = start.x.copy(), start.q.copy(), start.v.copy(), start.w.copy()
+        hands = _Hands(self._mujoco, world)
+        hands.refresh()
+        for i in world.scene.moving:
+            x[i], q[i], v[i], w[i] = hands.motion(i)
+        return State(world.clock.time, x, q, v, w)
+
+    def contacts(self, world: World) -> list[ContactForce]:
+        """Contacts that carried force in the last step (they belong to the state before it)."""
+        model, data = world.model, world.data
+        scene_place = {number: i for i, number in enumerate(world.bodies)}
+        found, wrench = [], np.zeros(6)
+        for k in range(data.ncon):
+            contact = data.contact[k]
+            self._mujoco.mj_contactForce(model, data, k, wrench)
+            if wrench[0] > 0.0:
+                # MuJoCo's normal points from its first to its second shape, and the force acts on the second
+                b, a = (world.scene.names[scene_place[int(model.geom_bodyid[g])]] for g in contact.geom)
+                axes = contact.frame.reshape(3, 3)
+                force = tuple((axes.T @ wrench[:3]).tolist())
+                found.append(
+                    ContactForce(world.clock.time, a, b, tuple(contact.pos.tolist()), tuple(axes[0].tolist()), force)
+                )
+        return found
+
+
+@dataclass(frozen=True)
+class _Hands:
+    """How pushes and reading reach into a MuJoCo world."""
+
+    mujoco: ModuleType
+    world: World
+
+    def refresh(self) -> None:
+        """Bring MuJoCo's Cartesian data, which lag a step, up to qpos and qvel; only hinged bodies need them."""
+        if self.world.hinged:
+            self.mujoco.mj_kinematics(self.world.model, self.world.data)
+            self.mujoco.mj_comPos(self.world.model, self.world.data)
+            self.mujoco.mj_comVel(self.world.model, self.world.data)
+
+    def motion(self, i: int) -> Motion:
+        model, data, body = self.world.model, self.world.data, self.world.scene.bodies[i]
+        if body.fixed:
+            return Motion(*(np.array(c) for c in (body.position, body.orientation, body.velocity)), np.zeros(3))
+        joint = self.world.joints[i]
+        at, dof = model.jnt_qposadr[joint], model.jnt_dofadr[joint]
+        if self.world.hinged:
+            number, twist = self.world.bodies[i], np.zeros(6)
+            self.mujoco.mj_objectVelocity(model, data, self.mujoco.mjtObj.mjOBJ_XBODY, number, twist, 0)
+            return Motion(data.xpos[number].copy(), data.xquat[number].copy(), twist[3:], twist[:3])
+        velocity = data.qvel[dof : dof + 3].copy()
+        if not self.world.turns:
+            return Motion(body.position + data.qpos[at : at + 3], np.array(body.orientation), velocity, np.zeros(3))
+        q = data.qpos[at + 3 : at + 7].copy()
+        return Motion(data.qpos[at : at + 3].copy(), q, velocity, rotate(q, data.qvel[dof + 3 : dof + 6]))
+
+    def push(self, i: int, force: Vec3, torque: Vec3) -> None:
+        self.world.data.xfrc_applied[self.world.bodies[i]] += np.concatenate([force, torque])
+
+
+def _smooth(scene: Scene) -> bool:
+    """Whether nothing in the scene acts within one step: no contacts, rods or tethers."""
+    return not scene.touching and scene.needs.isdisjoint({Rod, Tether})
+
+
+def _frame(body: Body, turns: bool) -> Quat:
+    """Orientation of the frame MuJoCo has for a body: the world's if the body slides without turning."""
+    return np.array(body.orientation if turns or body.fixed else IDENTITY)
+
+
+def _tree(scene: Scene) -> dict[int, tuple[int, Hinge]]:
+    """Child -> (parent, hinge) of the trees that the hinges form, grown from the fixed bodies first.
+
+    Raises
+    ------
+    Refusal
+        If hinges close a loop.
+    """
+    edges: dict[int, list[tuple[int, Hinge]]] = {}
+    for hinge in scene.all(Hinge):
+        a, b = scene.index(hinge.a), scene.index(hinge.b)
+        edges.setdefault(a, []).append((b, hinge))
+        edges.setdefault(b, []).append((a, hinge))
+    found: dict[int, tuple[int, Hinge]] = {}
+    reached: set[int] = set()
+    for root in sorted(edges, key=lambda i: not scene.bodies[i].fixed):
+        front = [] if root in reached else [root]
+        reached.add(root)
+        while front:
+            parent = front.pop(0)
+            for child, hinge in edges[parent]:
+                if scene.bodies[child].fixed or found.get(parent, (None, None))[1] is hinge:
+                    continue
+                if child in reached:
+                    raise Refusal(f"the hinges of {scene.names[child]!r} close a loop: MuJoCo's bodies form trees")
+                reached.add(child)
+                found[child] = parent, hinge
+                front.append(child)
+    return found
+
+
+def _parents_first(scene: Scene, hinges: Mapping[int, tuple[int, Hinge]]) -> list[int]:
+    order = [i for i in range(len(scene.bodies)) if i not in hinges]
+    return order + list(hinges)  # a tree is grown from its root: parents stand before their children
+
+
+_ITERATIONS = (5.0, 20.0, 100.0, 500.0)
+
+ENGINES = {
+    engine.name: engine
+    for engine in (
+        MuJoCo(
+            "mujoco",
+            stock=False,
+            knobs={
+                "dt": TIME_STEPS,
+                "integrator": ("Euler", "implicitfast", "RK4", "auto"),
+                "iterations": _ITERATIONS,
+                "tolerance": (1e-4, 1e-6, 1e-8, 1e-10, 1e-12),
+            },
+            defaults={"dt": 1e-3, "integrator": "auto", "iterations": 100.0, "tolerance": 1e-10},
+            profile={
+                "solref = 0 -(1+e)/dt": "restitution as a damper of one step, exact to 1e-11; the default rebounds "
+                "with 0.13 whatever is wanted",
+                "solimp = 0.9999 0.9999": "an impedance that varies with depth changes e by up to 0.11",
+                "solref[0] = -0.01/dt^2 (Resting)": "overlap decays by 1 % a step; 10 % makes a stack of 100 explode",
+                "solreffriction = 0 -1/dt": "friction impulse within the step of the impact; left alone it bounces too",
+                "solreffriction = 0.02 1 (Resting, e = 0)": "friction that acts within one step lifts a sliding body",
+                "cone = elliptic": "the pyramid slides 41 % too far at 45 degrees",
+                "explicit pairs": "coefficients belong to pairs; the default takes the larger of two",
+                "explicit inertia": "comes from the scene, never from shapes",
+                "diagexact = enable": "the approximate diagonal gives a hinged cradle 0.2 % energy",
+                "tolerance = 1e-10 (knob)": "the solver may not stop early",
+                "autoreset = disable": "a bad state is a failure, not silently the initial state again",
+                "integrator = auto (knob)": "RK4, which MuJoCo recommends for accuracy, where nothing can touch; "
+                "Euler, the default, elsewhere, because RK4 loses a damper of one step",
+            },
+        ),
+        MuJoCo(
+            "mujoco:stock",
+            stock=True,
+            knobs={"dt": TIME_STEPS, "integrator": ("Euler", "implicitfast", "RK4"), "iterations": _ITERATIONS},
+            defaults={"dt": 2e-3, "integrator": "Euler", "iterations": 100.0},
+            profile={"autoreset = disable": "a bad state is a failure, not silently the initial state again"},
+        ),
+    )
+}
