@@ -290,7 +290,7 @@ def _spoken(engine: Engine, world: Any) -> dict[str, Any]:
     if hasattr(engine, "contacts"):
         said["contacts"] = tuple(engine.contacts(world))
     if hasattr(engine, "audit"):
-        said["audit"] = dict(engine.audit(world))
+        said["audit"] = {str(name): float(value) for name, value in engine.audit(world).items()}
     return said
 
 

@@ -125,7 +125,8 @@ def test_what_the_engine_knows_is_kept(toy):
     said = run(toy, SCENE, TIMES)
     assert said.knows_events
     assert said.events[0].impulse == 2.0
-    assert said.audit == {"steps": 20}
+    assert said.audit == {"steps": 20.0}
+    assert type(said.audit["steps"]) is float
 
 
 def test_settings_are_the_engines_defaults_overlaid(toy, faulty):

@@ -76,8 +76,8 @@ class Faulty(Toy):
         if world.clock.time > BREAKS_AT:
             getattr(self, world.knobs["fault"])(world)
 
-    def audit(self, world):
-        return {"what": lambda: None} if world.knobs["fault"] == "unsendable" else {}
+    def events(self, world):
+        return [lambda: None] if world.knobs["fault"] == "unsendable" else []
 
     def none(self, world):
         """Go on."""

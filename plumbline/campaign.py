@@ -1,0 +1,228 @@
+"""Runs a plan: engines in parallel, each in its own process; judges, journals and reports as answers arrive."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Protocol
+
+from adapters.run import Failure, Run, sample_times
+from adapters.workers import MEMORY, TIMEOUT, Workers
+from comparisons.cell import Cell
+from plumbline import run_folder
+from plumbline.fingerprint import fingerprint
+from plumbline.judging import absent, judged
+from plumbline.plan import Job, described, described_engines
+from plumbline.results import Results, judge_failed
+from plumbline.run_folder import RunFolder
+
+RERUN = ("none", "failed", "all")
+GOOD = ("ok", "refused", "xfail")
+
+
+class Watcher(Protocol):
+    """Told what a campaign is doing; called from the thread that runs it."""
+
+    def begin(self, planned: int, reused: int) -> None:
+        """The campaign begins."""
+
+    def started(self, job: Job) -> None:
+        """A cell has been given to its engine."""
+
+    def finished(self, cell: Cell, seconds: float) -> None:
+        """A cell is in the journal, `seconds` after it was given out."""
+
+
+class Silence:
+    """A watcher that does nothing."""
+
+    def begin(self, planned: int, reused: int) -> None:
+        """Nothing."""
+
+    def started(self, job: Job) -> None:
+        """Nothing."""
+
+    def finished(self, cell: Cell, seconds: float) -> None:
+        """Nothing."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a campaign is run.
+
+    Attributes
+    ----------
+    jobs : int
+        Engines that compute at the same time.
+    repeats : int
+        Timed repeats of every cell; one is no measurement of cost.
+    timeout : float
+        Of one cell [s]; then its process is killed.
+    budget : float or None
+        Of the whole campaign [s]; no cell begins after it, and what has not begun is `not-run`.
+    memory : int
+        Address space of one engine [bytes]; 0 = no limit.
+    rerun : str
+        What to run again of what the folder holds: "none", "failed" or "all".
+    """
+
+    jobs: int = 2
+    repeats: int = 1
+    timeout: float = TIMEOUT
+    budget: float | None = None
+    memory: int = MEMORY
+    rerun: str = "none"
+
+    def __post_init__(self) -> None:
+        for name, least in (("jobs", 1), ("repeats", 1), ("memory", 0)):
+            value = getattr(self, name)
+            if not isinstance(value, int) or value < least:
+                raise ValueError(f"{name} = {value!r} is not possible: a whole number >= {least}")
+        for name in ("timeout", "budget"):
+            value = getattr(self, name)
+            if value is not None and not 0.0 < value < float("inf"):
+                raise ValueError(f"{name} = {value!r} is not possible: a finite number > 0 of seconds")
+        if self.rerun not in RERUN:
+            raise ValueError(f"rerun = {self.rerun!r} is not possible: one of {', '.join(RERUN)}")
+
+
+@dataclass
+class Execution:
+    """A campaign on its way; `run` carries it through.
+
+    Parameters
+    ----------
+    jobs : sequence of Job
+    folder : path
+        Made if it is not there; finished cells in it are used again.
+    title, command : str
+        For people: what is run, and the command that repeats it.
+    """
+
+    jobs: Sequence[Job]
+    folder: Path
+    title: str
+    command: str
+    options: Options = field(default_factory=Options)
+    watcher: Watcher = field(default_factory=Silence)
+
+    def run(self) -> Results:
+        """Run what is left to run and return everything.
+
+        Raises
+        ------
+        FolderError
+            If the folder cannot be written; finished cells are kept.
+        KeyboardInterrupt
+            After the workers are ended; the journal is valid and the next run goes on from it.
+        """
+        begun = time.monotonic()
+        with RunFolder(self.folder) as folder:
+            manifest = self._manifest()
+            done = self._reusable(folder, manifest)
+            folder.describe(manifest)
+            left = [job for job in self.jobs if job.key not in done]
+            self.watcher.begin(len(self.jobs), len(self.jobs) - len(left))
+            stopped = "the run was interrupted"
+            try:
+                done |= self._run(left, folder, begun)
+                stopped = "" if len(done) == len(self.jobs) else f"the budget of {self.options.budget:g} s was spent"
+            finally:
+                manifest |= {"wall_seconds": manifest["wall_seconds"] + time.monotonic() - begun, "stopped": stopped}
+                folder.describe(manifest)
+        return Results.read(self.folder)
+
+    def _manifest(self) -> dict[str, Any]:
+        scenarios = {job.scenario.name: job.scenario for job in self.jobs}
+        plan = [
+            {"key": j.key, "scenario": j.scenario.name, "engine": j.engine, "version": j.version,
+             "settings": dict(j.settings), "reproduce": j.reproduce}
+            for j in self.jobs
+        ]  # fmt: skip
+        return {
+            "id": self.folder.resolve().name,
+            "title": self.title,
+            "command": self.command,
+            "started": f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}",
+            "wall_seconds": 0.0,
+            "stopped": "",
+            "options": vars(self.options),
+            "fingerprint": fingerprint(),
+            "scenarios": described(scenarios.values()),
+            "engines": described_engines(self.jobs),
+            "plan": plan,
+        }
+
+    def _reusable(self, folder: RunFolder, manifest: dict[str, Any]) -> dict[str, Cell]:
+        """Finished cells of the same key whose scenario still asks the same, timed as often as is asked now."""
+        cells = folder.finished()
+        if not cells:
+            return {}
+        try:
+            before = run_folder.read_manifest(self.folder)
+        except run_folder.FolderError:
+            return {}
+        manifest["wall_seconds"] = before.get("wall_seconds", 0.0)
+        if self.options.rerun == "all":
+            return {}
+        asked = {label: told.get("question") for label, told in before.get("scenarios", {}).items()}
+        now = {label: told["question"] for label, told in manifest["scenarios"].items()}
+        return {job.key: cells[job.key] for job in self.jobs
+                if job.key in cells and asked.get(job.scenario.name) == now[job.scenario.name]
+                and self._good_enough(cells[job.key])}  # fmt: skip
+
+    def _good_enough(self, cell: Cell) -> bool:
+        if cell.state in ("not-installed", "not-run") or judge_failed(cell):
+            return False
+        if self.options.rerun == "failed" and cell.state not in GOOD:
+            return False
+        return cell.repeats == 0 or cell.repeats >= self.options.repeats
+
+    def _run(self, left: Sequence[Job], folder: RunFolder, begun: float) -> dict[str, Cell]:
+        """Cells of the jobs that could be begun within the budget, by key."""
+        waiting = [job for job in left if job.absent is None]
+        done = {job.key: self._finish(folder, absent(job), 0.0) for job in left if job.absent is not None}
+        running: dict[Future[Run], tuple[Job, float]] = {}
+        with Workers(self.options.memory) as workers, ThreadPoolExecutor(self.options.jobs) as threads:
+            try:
+                while waiting or running:
+                    while (job := self._next(waiting, running, begun)) is not None:
+                        waiting.remove(job)
+                        self.watcher.started(job)
+                        running[threads.submit(self._ask, workers, job)] = (job, time.monotonic())
+                    if not running:
+                        break  # the budget is spent
+                    for future in wait(running, return_when=FIRST_COMPLETED).done:
+                        job, since = running.pop(future)
+                        run = future.result()
+                        cell = judged(job, run, folder.keep(job.key, run))
+                        done[job.key] = self._finish(folder, cell, time.monotonic() - since)
+            finally:
+                workers.close()  # before the threads are joined: they wait for their workers
+        return done
+
+    def _next(self, waiting: list[Job], running: Mapping[Any, tuple[Job, float]], begun: float) -> Job | None:
+        """The first job in the order of the plan whose engine is free."""
+        spent = self.options.budget is not None and time.monotonic() - begun > self.options.budget
+        if spent or len(running) >= self.options.jobs:
+            return None
+        busy = {job.engine for job, _ in running.values()}
+        return next((job for job in waiting if job.engine not in busy), None)
+
+    def _ask(self, workers: Workers, job: Job) -> Run:
+        times = sample_times(job.scenario.duration, job.scenario.sampling)
+        options = self.options
+        try:
+            return workers.run(job.engine, job.scenario.scene, times, job.settings, options.repeats, options.timeout)
+        except Exception as error:  # an adapter may raise outside of its process, too: when asked for its lead
+            failure = Failure("error", "start", 0.0, f"{type(error).__name__}: {error}")
+            return Run(job.engine, job.version, dict(job.settings), failure)
+
+    def _finish(self, folder: RunFolder, cell: Cell, seconds: float) -> Cell:
+        folder.append(cell)
+        self.watcher.finished(cell, seconds)
+        return cell

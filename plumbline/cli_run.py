@@ -1,0 +1,236 @@
+"""The verb `run`: choose, plan, run, show, report."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from plumbline.command import as_json, harness, plug_in, register, usage
+
+if TYPE_CHECKING:
+    from plumbline.plan import Job
+    from scenarios.scenario import Scenario
+
+DEFAULT_SUITE = "smoke"
+
+
+def seconds(_: click.Context, parameter: click.Parameter, text: str | None) -> float | None:
+    """A time as people write it: 30, 30s, 5m, 1.5h."""
+    if text is None:
+        return None
+    factor = {"s": 1.0, "m": 60.0, "h": 3600.0}.get(text[-1:], 0.0)
+    try:
+        value = float(text[:-1]) * factor if factor else float(text)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < float("inf"):
+        raise click.BadParameter(f"{text!r} is not a time: a number > 0 of seconds, or with s, m or h", param=parameter)
+    return value
+
+
+def states(_: click.Context, parameter: click.Parameter, text: str | None) -> tuple[str, ...] | None:
+    """Cell states separated by commas, or "none"."""
+    if text is None or text == "none":
+        return None if text is None else ()
+    from comparisons.cell import STATES
+
+    chosen = tuple(word.strip() for word in text.split(","))
+    for word in chosen:
+        if word not in STATES:
+            raise click.BadParameter(f"there is no state {word!r}; there are: {', '.join(STATES)}", param=parameter)
+    return chosen
+
+
+@click.command("run")
+@click.argument("what", required=False, metavar="[SUITE|FILE]")
+@click.option(
+    "-e",
+    "--engine",
+    "engines",
+    multiple=True,
+    metavar="NAME",
+    help="Engine or glob; ! in front leaves out (repeatable). Default: all.",
+)
+@click.option(
+    "-s",
+    "--scenario",
+    "selectors",
+    multiple=True,
+    metavar="NAME",
+    help="Scenario, glob or name[param=value]; ! in front leaves out (repeatable).",
+)
+@click.option(
+    "-t", "--tag", "tags", multiple=True, metavar="TAG", help="Scenarios with this tag; ! leaves out (repeatable)."
+)
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="KNOB=VALUE",
+    help="Knob of the engines, or engine.knob=value; repeat a knob to run each value.",
+)
+@click.option("--duration", callback=seconds, help="Of a scene file.  [default: 2s]")
+@click.option(
+    "--sampling", callback=seconds, help="Interval of recorded states of a scene file.  [default: duration/100]"
+)
+@click.option("-j", "--jobs", type=click.IntRange(1), default=2, show_default=True, help="Engines at the same time.")
+@click.option("--repeats", type=click.IntRange(1), default=1, show_default=True, help="Timed repeats of each cell.")
+@click.option(
+    "--timeout", callback=seconds, default="60s", show_default=True, help="Of a cell; then its engine is killed."
+)
+@click.option("--budget", callback=seconds, help="Of the run; what has not begun by then is not run.")
+@click.option(
+    "--memory",
+    type=click.FloatRange(0.0),
+    default=8.0,
+    show_default=True,
+    help="GiB of address space for each engine; 0 = no limit.",
+)
+@click.option(
+    "--out", metavar="DIR", help="Folder of the run; finished cells in it are kept.  [default: a new one in runs/]"
+)
+@click.option("--rerun", type=click.Choice(["failed", "all"]), help="Run failed cells, or all, again.")
+@click.option("--dry-run", is_flag=True, help="Show what would be run.")
+@click.option(
+    "--dt",
+    "steps",
+    type=click.FloatRange(0.0, min_open=True),
+    multiple=True,
+    metavar="SECONDS",
+    help="Step size of the published figures (repeatable).",
+)
+@click.option("--junit", metavar="PATH", help="Write JUnit XML here, too.")
+@click.option("--summary", metavar="PATH", help="Append the Markdown summary to this file.")
+@click.option("--progress", "style", type=click.Choice(["auto", "plain", "off"]), default="auto", show_default=True)
+@click.option(
+    "--fail-on",
+    callback=states,
+    metavar="STATES",
+    help="States that make the exit code 1 or 3, separated by commas; none.",
+)
+@plug_in
+@as_json
+def run(**asked: Any) -> int:
+    """Run scenarios in engines, judge every answer and write the report.
+
+    \b
+    plumbline run                              the suite smoke, in every installed engine
+    plumbline run standard -e 'pybullet*'      a suite in some engines
+    plumbline run -s 'bouncing-ball[e=0.5]' --set dt=1e-3 --set dt=1e-4
+    plumbline run my_scene.toml --duration 5s  a scene of yours
+    plumbline run published --dt 0.002         published figures, ours beside them
+    """  # fmt: skip
+    register(asked["plugins"])
+    if asked["what"] == "published":
+        from plumbline import figures
+
+        with usage():
+            return figures.show(asked["steps"], asked["json_"])
+    if asked["steps"]:
+        raise click.UsageError("--dt is for `plumbline run published`; for engines use --set dt=VALUE")
+    scenarios, jobs = planned(asked)
+    if not jobs:
+        click.echo("nothing is selected: no scenario has all that is asked for", err=True)
+        return 5
+    if asked["dry_run"]:
+        return show_plan(jobs, asked["json_"])
+    return carry_out(scenarios, jobs, asked)
+
+
+def planned(asked: dict[str, Any]) -> tuple[tuple[Scenario, ...], tuple[Job, ...]]:
+    """Scenarios and jobs of what the command line asks for."""
+    with usage():
+        from adapters import registry
+        from plumbline import own_files
+        from plumbline.plan import choose, plan, read_settings
+
+        what, own = asked["what"], ""
+        if what is None and not asked["selectors"] and not asked["tags"]:
+            what = DEFAULT_SUITE
+        if what is not None and own_files.is_file(what):
+            own = own_file_words(asked)
+        elif asked["duration"] or asked["sampling"]:
+            raise ValueError("--duration and --sampling are for scenes in TOML; a scenario says its own")
+        scenarios = choose(what, asked["selectors"], asked["tags"], asked["duration"], asked["sampling"])
+        return scenarios, plan(scenarios, registry.select(asked["engines"]), read_settings(asked["settings"]), own)
+
+
+def own_file_words(asked: dict[str, Any]) -> str:
+    """The part of the command line that brings a user's file."""
+    words = [asked["what"]]
+    for name in ("duration", "sampling"):
+        words += [f"--{name}", f"{asked[name]!r}"] if asked[name] else []
+    return shlex.join(words)
+
+
+def carry_out(scenarios: tuple[Scenario, ...], jobs: tuple[Job, ...], asked: dict[str, Any]) -> int:
+    """Run the jobs with a progress display, then show and write the report."""
+    from dataclasses import replace
+
+    from rich.console import Console
+
+    from plumbline import finish
+    from plumbline.campaign import Execution, Options
+    from plumbline.progress import progress
+    from plumbline.run_folder import new_id
+
+    console = Console(stderr=True)
+    say_overlaps(scenarios)
+    options = Options(asked["jobs"], asked["repeats"], asked["timeout"], asked["budget"],
+                      round(asked["memory"] * 2**30), asked["rerun"] or "none")  # fmt: skip
+    folder = Path(asked["out"]) if asked["out"] else Path("runs") / new_id()
+    outputs = finish.Outputs(asked["junit"], asked["summary"])
+    with harness(), progress(asked["style"], console) as display:
+        outputs.open()
+        execution = Execution(jobs, folder, title(asked), command(), options, display)
+        try:
+            results = replace(execution.run(), known=scenarios)
+        except KeyboardInterrupt:
+            click.echo(f"interrupted; what is finished is kept, `--out {folder}` goes on from there", err=True)
+            raise
+    with harness():
+        return finish.finish(results, outputs, asked["json_"], asked["fail_on"])
+
+
+def say_overlaps(scenarios: tuple[Scenario, ...]) -> None:
+    """Warn of bodies that overlap at the start."""
+    from plumbline.api import overlap_notes
+
+    for scenario in scenarios:
+        for note in overlap_notes(scenario.scene):
+            click.echo(f"note: {scenario.name}: {note}", err=True)
+
+
+def title(asked: dict[str, Any]) -> str:
+    """The run in a few words."""
+    words = [asked["what"] or "", *asked["selectors"], *(f"tag {tag}" for tag in asked["tags"])]
+    return ", ".join(filter(None, words)) or DEFAULT_SUITE
+
+
+def command() -> str:
+    """The command line as it was typed."""
+    return shlex.join(["plumbline", *sys.argv[1:]])
+
+
+def show_plan(jobs: tuple[Job, ...], json_: bool) -> int:
+    """Print the cells that would be run."""
+    import json
+
+    from reports.numbers import settings_text
+
+    if json_:
+        rows = [{"key": j.key, "scenario": j.scenario.name, "engine": j.engine, "version": j.version,
+                 "settings": dict(j.settings), "absent": j.absent.reason if j.absent else ""}
+                for j in jobs]  # fmt: skip
+        click.echo(json.dumps(rows, indent=1))
+        return 0
+    for job in jobs:
+        said = job.absent.reason if job.absent else settings_text(job.settings)
+        click.echo(f"{job.scenario.name:<40} {job.engine:<22} {said}".rstrip())
+    simulated = sum(j.scenario.duration for j in jobs if not j.absent)
+    click.echo(f"{len(jobs)} cells, {simulated:.0f} s of simulated time")
+    return 0

@@ -1,0 +1,54 @@
+"""What the verbs of the command line share: how errors end, and options that several of them take."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import click
+
+plug_in = click.option(
+    "--plugin", "plugins", multiple=True, metavar="FILE.py", help="Engines of this file join (repeatable)."
+)
+as_json = click.option("--json", "json_", is_flag=True, help="Print JSON for programs.")
+
+
+class HarnessFault(click.ClickException):
+    """The harness itself could not go on."""
+
+    exit_code = 4
+
+
+@contextmanager
+def usage() -> Iterator[None]:
+    """Errors in what was asked for end with their message and exit code 2."""
+    from adapters.registry import Unavailable
+    from mechanics.arrays import SceneError
+
+    try:
+        yield
+    except (SceneError, Unavailable, ValueError) as error:
+        raise click.UsageError(str(error)) from error
+
+
+@contextmanager
+def harness() -> Iterator[None]:
+    """Folders that cannot be read or written end with their message and exit code 4."""
+    from adapters.archive import ArchiveError
+    from plumbline.run_folder import FolderError
+
+    try:
+        yield
+    except (FolderError, ArchiveError) as error:
+        raise HarnessFault(str(error)) from error
+
+
+def register(plugins: Sequence[str]) -> None:
+    """Make engines of files known, in this process and (through their path) in the workers."""
+    from adapters import registry
+
+    for plugin in plugins:
+        if not (plugin.endswith(".py") and Path(plugin).is_file()):
+            raise click.UsageError(f"--plugin {plugin}: there is no such Python file")
+        registry.register(Path(plugin).stem, plugin)

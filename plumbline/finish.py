@@ -1,0 +1,107 @@
+"""The end of a run: verdict table, report, copies for continuous integration, exit code."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+
+from comparisons.cell import cell_to_json
+from plumbline.results import FAIL_ON, SENTENCES, Results
+from plumbline.run_folder import FolderError
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """Where else the report is to go.
+
+    Attributes
+    ----------
+    junit, summary : str or None
+        File to write JUnit XML to; file to append the Markdown summary to.
+    folder : Path or None
+        Folder of the report; None = that of the run.
+    """
+
+    junit: str | None = None
+    summary: str | None = None
+    folder: Path | None = None
+
+    def open(self) -> None:
+        """Try to open every output, before an hour of work is spent that could not be written.
+
+        Raises
+        ------
+        FolderError
+        """
+        for path in filter(None, (self.junit, self.summary)):
+            try:
+                with Path(path).open("a", encoding="utf-8"):
+                    pass
+            except OSError as error:
+                raise FolderError(f"cannot write {path}: {error.strerror or error}") from error
+
+    def copy(self, paths: dict[str, Path]) -> None:
+        """Bring the files of the report where they are asked for.
+
+        Raises
+        ------
+        FolderError
+        """
+        try:
+            if self.junit:
+                shutil.copyfile(paths["junit.xml"], self.junit)
+            if self.summary:
+                with Path(self.summary).open("a", encoding="utf-8") as file:
+                    file.write(paths["summary.md"].read_text(encoding="utf-8") + "\n")
+        except OSError as error:
+            raise FolderError(f"cannot write {error.filename}: {error.strerror}") from error
+
+
+def finish(results: Results, outputs: Outputs, json_: bool, fail_on: tuple[str, ...] | None = None) -> int:
+    """Print the verdicts, write the report and its copies, and return the exit code."""
+    code = results.exit_code(FAIL_ON if fail_on is None else fail_on)
+    paths = results.report(outputs.folder)
+    outputs.copy(paths)
+    if json_:
+        click.echo(json.dumps(as_json(results, paths, code), indent=1))
+        return code
+    from rich.console import Console
+
+    from reports.terminal import show
+
+    console = Console()
+    show(results.campaign, console)
+    say_commands(results)
+    if results.campaign.cells and code:
+        click.echo(f"exit code {code}: {SENTENCES[code]}")
+    click.echo(f"report: {paths['index.html']}")
+    return code
+
+
+def say_commands(results: Results, most: int = 5) -> None:
+    """The commands that run what broke once more, where there are any."""
+    broken = [c for c in results.cells if c.state in ("error", "crash", "timeout", "oom", "diverged") and c.reproduce]
+    for cell in broken[:most]:
+        click.echo(f"again: {cell.reproduce}")
+    if len(broken) > most:
+        click.echo(f"       and {len(broken) - most} more; the report has every command")
+
+
+def as_json(results: Results, paths: dict[str, Path], code: int) -> dict[str, Any]:
+    """The run for programs."""
+    campaign = results.campaign
+    return {
+        "id": campaign.id,
+        "title": campaign.title,
+        "started": campaign.started,
+        "wall_seconds": campaign.wall_seconds,
+        "exit_code": code,
+        "folder": str(results.folder),
+        "files": {name: str(path) for name, path in paths.items()},
+        "cells": [json.loads(cell_to_json(cell)) for cell in results.cells],
+    }

@@ -1,0 +1,57 @@
+"""From a run to its cell: judged by the comparisons, explained where the cause is on record."""
+
+from __future__ import annotations
+
+import traceback
+from dataclasses import replace
+from pathlib import Path
+
+from adapters.registry import NotInstalled
+from adapters.run import Run
+from comparisons.cell import Cell
+from comparisons.judge import to_cell
+from comparisons.known import explain
+from plumbline.plan import Job
+from scenarios.scenario import Scenario
+
+
+def judged(job: Job, run: Run, trace: str = "") -> Cell:
+    """Cell of a run.  What the judge cannot do is its own failure (stage "judge"), never the engine's."""
+    try:
+        return explain(to_cell(job.scenario, run, trace=trace, reproduce=job.reproduce))
+    except Exception as error:
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        reason = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno})"
+        return _unjudged(job, "error", "judge", reason, trace=trace, output=run.output, notes=run.notes)
+
+
+def judged_again(scenario: Scenario, run: Run, cell: Cell) -> Cell:
+    """The cell of an archived run as the comparisons judge it now."""
+    return replace(explain(to_cell(scenario, run, trace=cell.trace, reproduce=cell.reproduce)), key=cell.key)
+
+
+def absent(job: Job) -> Cell:
+    """Cell of a job whose engine cannot be had here."""
+    if isinstance(job.absent, NotInstalled):
+        return _unjudged(job, "not-installed", "import", job.absent.reason)
+    return _unjudged(job, "error", "import", job.absent.reason if job.absent else "")
+
+
+def _unjudged(job: Job, state: str, stage: str, reason: str, **told: object) -> Cell:
+    scenario = job.scenario
+    return Cell(
+        key=job.key,
+        scenario=scenario.name,
+        family=scenario.family,
+        version=scenario.version,
+        tags=scenario.tags,
+        engine=job.engine,
+        engine_version=job.version,
+        settings=dict(job.settings),
+        state=state,
+        duration=scenario.duration,
+        stage=stage,
+        reason=reason,
+        reproduce=job.reproduce,
+        **told,  # type: ignore[arg-type]
+    )

@@ -1,0 +1,255 @@
+"""What is to be run: scenarios x engines x settings -> jobs, each of which becomes one cell."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from functools import partial
+from itertools import product
+from typing import Any
+
+from adapters import registry
+from adapters.engine import Engine, Knob, checked_settings, defaults, profile
+from comparisons.cell import cell_key
+from mechanics.scene_file import scene_digest
+from plumbline import own_files
+from scenarios import catalogue
+from scenarios.scenario import Scenario
+
+Settings = Mapping[str, Knob | Sequence[Knob]]
+
+
+@dataclass(frozen=True)
+class Job:
+    """One cell to be run.
+
+    Attributes
+    ----------
+    key : str
+        As of the cell.
+    scenario : Scenario
+    engine, version : str
+    settings : dict
+        Every knob of the engine with its value.
+    reproduce : str
+        The one-line command that runs this cell alone.
+    absent : Unavailable or None
+        Why the engine cannot be run here.
+    """
+
+    key: str
+    scenario: Scenario
+    engine: str
+    version: str
+    settings: Mapping[str, Knob]
+    reproduce: str
+    absent: registry.Unavailable | None = None
+
+    @property
+    def label(self) -> str:
+        """For people."""
+        return f"{self.scenario.name} · {self.engine}"
+
+
+def choose(
+    what: str | None = None,
+    selectors: Sequence[str] = (),
+    tags: Sequence[str] = (),
+    duration: float | None = None,
+    sampling: float | None = None,
+) -> tuple[Scenario, ...]:
+    """Scenarios of a suite or file, narrowed by selectors and tags; without `what`, of the whole catalogue.
+
+    Selectors are names, globs, `name[parameter=value]`, and any of them with `!` in front to leave
+    out; tags likewise.  With a suite or a file, selectors pick among its scenarios.
+
+    Raises
+    ------
+    UnknownName
+        For a suite, selector or tag that names nothing there is.
+    ValueError, SceneError
+        For a parameter out of range, a file without scenarios, a scene that is not possible.
+    """
+    if what is None:
+        pool, find = None, catalogue.find
+    elif own_files.is_file(what):
+        pool = own_files.scenarios_of(what, duration, sampling)
+        find = partial(_find_own, pool)
+    else:
+        pool = catalogue.suite(what)
+        find = partial(_find_in_suite, pool)
+    wanted = [s for s in selectors if not s.startswith("!")]
+    barred = [s.removeprefix("!") for s in selectors if s.startswith("!")]
+    chosen = _unique(s for w in wanted for s in find(w)) if wanted else pool
+    if chosen is None:
+        chosen = _unique(s for f in catalogue.families().values() for s in f.all())
+    out = {s.name for b in barred for s in find(b)}
+    return tuple(s for s in chosen if s.name not in out and _tagged(s, tags, pool or ()))
+
+
+def _find_in_suite(pool: Sequence[Scenario], selector: str) -> tuple[Scenario, ...]:
+    """Scenarios of the suite that match; with parameters, the one they give, in the suite or not."""
+    named = catalogue.find(selector)
+    return named if "[" in selector else tuple(s for s in pool if s.name in {n.name for n in named})
+
+
+def _find_own(pool: Sequence[Scenario], selector: str) -> tuple[Scenario, ...]:
+    bare = "[" not in selector
+    found = tuple(s for s in pool if s.name == selector or (bare and fnmatchcase(s.family, selector)))
+    if not found:
+        raise catalogue.unknown("scenario", selector, [s.name for s in pool])
+    return found
+
+
+def _tagged(scenario: Scenario, tags: Sequence[str], pool: Sequence[Scenario]) -> bool:
+    known = {t for f in catalogue.families().values() for t in f.tags} | {t for s in pool for t in s.tags}
+    for tag in tags:
+        if tag.removeprefix("!") not in known:
+            raise catalogue.unknown("tag", tag.removeprefix("!"), sorted(known))
+    wanted = {t for t in tags if not t.startswith("!")}
+    barred = {t.removeprefix("!") for t in tags if t.startswith("!")}
+    return (not wanted or bool(wanted & set(scenario.tags))) and not barred & set(scenario.tags)
+
+
+def _unique(scenarios: Iterable[Scenario]) -> tuple[Scenario, ...]:
+    return tuple({s.name: s for s in scenarios}.values())
+
+
+def read_settings(items: Iterable[str]) -> dict[str, list[Knob]]:
+    """Settings of the command line: `knob=value` or `engine.knob=value`; a knob named twice gets both values.
+
+    Raises
+    ------
+    ValueError
+        For an item without a name or a value.
+    """
+    settings: dict[str, list[Knob]] = {}
+    for item in items:
+        name, sign, text = item.partition("=")
+        if not (sign and name.strip() and text.strip()):
+            raise ValueError(f"{item!r} is not of the form knob=value or engine.knob=value")
+        try:
+            value: Knob = float(text)
+        except ValueError:
+            value = text.strip()
+        settings.setdefault(name.strip(), []).append(value)
+    return settings
+
+
+def settings_of(engine: Engine, settings: Settings) -> tuple[dict[str, Knob], ...]:
+    """Every combination of the settings that are about `engine`, each with all of its knobs.
+
+    Raises
+    ------
+    ValueError
+        For a value that is not possible, or a knob asked of this engine by name that it does not have.
+    """
+    mine: dict[str, tuple[Knob, ...]] = {}
+    for name, given in settings.items():
+        pattern, _, knob = name.rpartition(".")
+        if fnmatchcase(engine.name, pattern) if pattern else knob in engine.knobs:
+            mine[knob] = (given,) if isinstance(given, (str, int, float)) else tuple(given)
+    combinations = product(*mine.values())
+    return tuple(checked_settings(engine, dict(zip(mine, values, strict=True))) for values in combinations)
+
+
+def plan(
+    scenarios: Sequence[Scenario], engines: Sequence[str], settings: Settings | None = None, own_file: str = ""
+) -> tuple[Job, ...]:
+    """The jobs, scenario by scenario; an engine that cannot be had is a job, too, and says so.
+
+    Parameters
+    ----------
+    engines : sequence of str
+        Names.
+    own_file : str
+        Words of the command line that bring the scenarios if the catalogue does not have them.
+
+    Raises
+    ------
+    ValueError
+        For settings that are not possible, or about no engine of these.
+    """
+    settings = settings or {}
+    had: dict[str, Engine | registry.Unavailable] = {name: _engine(name) for name in engines}
+    present = [e for e in had.values() if not isinstance(e, registry.Unavailable)]
+    _check_used(settings, present)
+    choices = {e.name: settings_of(e, settings) for e in present}
+    jobs = []
+    for scenario in scenarios:
+        for name, engine in had.items():
+            if isinstance(engine, registry.Unavailable):
+                key = cell_key(scenario.name, scenario.version, name, "", {})
+                jobs.append(Job(key, scenario, name, "", {}, reproduce(scenario, name, {}, own_file), engine))
+                continue
+            for chosen in choices[name]:
+                version = str(engine.version)
+                key = cell_key(scenario.name, scenario.version, name, version, chosen)
+                told = {k: v for k, v in chosen.items() if v != defaults(engine)[k]}
+                jobs.append(Job(key, scenario, name, version, chosen, reproduce(scenario, name, told, own_file)))
+    return tuple({job.key: job for job in jobs}.values())
+
+
+def _engine(name: str) -> Engine | registry.Unavailable:
+    try:
+        return registry.engine(name)
+    except registry.Unavailable as unavailable:
+        return unavailable
+
+
+def _check_used(settings: Settings, engines: Sequence[Engine]) -> None:
+    """A setting that no engine of the run has is a slip of the pen, not a wish."""
+    for name in settings:
+        pattern, _, knob = name.rpartition(".")
+        if pattern and not any(fnmatchcase(e.name, pattern) for e in engines):
+            raise catalogue.unknown("engine in this run for --set", pattern, [e.name for e in engines])
+        if not pattern and engines and not any(knob in e.knobs for e in engines):
+            raise catalogue.unknown("knob", knob, sorted({k for e in engines for k in e.knobs}))
+
+
+def reproduce(scenario: Scenario, engine: str, settings: Mapping[str, Knob], own_file: str = "") -> str:
+    """The command that runs this cell alone; "" for a scenario that only a caller in Python has."""
+    if not own_file and scenario.family not in catalogue.families():
+        return ""
+    words = ["plumbline", "run", *shlex.split(own_file), "-e", engine, "-s", scenario.name]
+    for name, value in settings.items():
+        words += ["--set", f"{name}={value!r}" if isinstance(value, float) else f"{name}={value}"]
+    return shlex.join(words)
+
+
+def described(scenarios: Iterable[Scenario]) -> dict[str, Any]:
+    """What a reader needs beside the numbers, by label; `question` is a hash of what was asked."""
+    return {
+        s.name: {
+            "summary": s.summary,
+            "source": s.source,
+            "tags": list(s.tags),
+            "effects": sorted(kind.__name__ for kind in s.scene.needs),
+            "duration": s.duration,
+            "sampling": s.sampling,
+            "version": s.version,
+            "question": f"{scene_digest(s.scene)}-{s.duration!r}-{s.sampling!r}",
+            "checks": [vars(c) for c in s.checks],
+        }
+        for s in scenarios
+    }
+
+
+def described_engines(jobs: Iterable[Job]) -> dict[str, Any]:
+    """Version, default settings and profile of every engine of the plan."""
+    told: dict[str, Any] = {}
+    for job in jobs:
+        if job.engine in told:
+            continue
+        if job.absent is not None:
+            told[job.engine] = {"version": "", "settings": {}, "profile": {}, "absent": job.absent.reason}
+        else:
+            engine = registry.engine(job.engine)
+            told[job.engine] = {
+                "version": job.version,
+                "settings": defaults(engine),
+                "profile": dict(profile(engine)),
+            }
+    return told
