@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import fcntl
 import os
 import sys
 from collections.abc import Mapping
@@ -17,10 +18,11 @@ from adapters.scratch import Scratch
 OUTPUT_LIMIT = 2**30  # bytes of any file a worker writes: an engine that prints for ever must not fill the disk
 
 
-def serve(target: str, name: str, memory: int, jobs_fd: int, answers_fd: int, scratch_fd: int) -> None:
+def serve(target: str, name: str, memory: int, jobs_fd: int, answers_fd: int, scratch_fd: int, life_fd: int) -> None:
     """Import the engine, answer "" (or why not), then answer each job with a `Run` (or a sentence)."""
     jobs, answers = Connection(jobs_fd, writable=False), Connection(answers_fd, readable=False)
     scratch = Scratch(os.fdopen(scratch_fd, "r+b", buffering=0))
+    _end_with_parent(life_fd)
     _print_at_once()
     _limit(memory)
     try:
@@ -79,6 +81,15 @@ class Watched:
         self._scratch.add(state)
         self._scratch.enter("advance")
         return state
+
+
+def _end_with_parent(life_fd: int) -> None:
+    """Have the kernel end this process (SIGIO, whose default is to terminate) when the parent's end of the pipe closes.
+
+    A parent that is killed cannot end its children, and one that hangs in native code would outlive it for ever.
+    """
+    fcntl.fcntl(life_fd, fcntl.F_SETOWN, os.getpid())
+    fcntl.fcntl(life_fd, fcntl.F_SETFL, fcntl.fcntl(life_fd, fcntl.F_GETFL) | os.O_ASYNC)
 
 
 def _limit(memory: int) -> None:

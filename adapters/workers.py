@@ -123,6 +123,7 @@ class Worker:
         self._process: subprocess.Popen[bytes] | None = None
         self._jobs: Connection | None = None
         self._answers: Connection | None = None
+        self._lifeline: int | None = None  # nothing is ever written to it: the child ends when it closes
         self._busy = threading.Lock()
         self._closed = False
         self._scratch = Scratch()
@@ -170,7 +171,8 @@ class Worker:
             raise _Broken("crash", "the worker is closed")
         jobs_read, jobs_write = os.pipe()
         answers_read, answers_write = os.pipe()
-        inherited = (jobs_read, answers_write, self._scratch.fileno())
+        lifeline_read, self._lifeline = os.pipe()
+        inherited = (jobs_read, answers_write, self._scratch.fileno(), lifeline_read)
         words = [[str(p) for p in sys.path], self._target, self._engine.name, self._memory, *inherited]
         try:
             self._process = subprocess.Popen(
@@ -183,8 +185,8 @@ class Worker:
                 start_new_session=True,  # a Ctrl-C is the parent's to answer
             )
         finally:
-            os.close(jobs_read)
-            os.close(answers_write)
+            for descriptor in (jobs_read, answers_write, lifeline_read):
+                os.close(descriptor)
         self._jobs, self._answers = Connection(jobs_write, readable=False), Connection(answers_read, writable=False)
         problem = self._receive(START_TIMEOUT)
         if problem:
@@ -235,7 +237,9 @@ class Worker:
         for pipe in (self._jobs, self._answers):
             if pipe is not None:
                 pipe.close()
-        self._process = self._jobs = self._answers = None
+        if self._lifeline is not None:
+            os.close(self._lifeline)
+        self._process = self._jobs = self._answers = self._lifeline = None
 
     def _wreck(self, blank: Run, broken: _Broken, bodies: int) -> Run:
         """What is known of a run that sent no answer."""

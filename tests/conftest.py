@@ -14,9 +14,9 @@ settings.load_profile("house")
 TOYS = Path(__file__).parent / "adapters" / "toy_engines.py"
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def toys():
-    """The engines of `toy_engines.py`, registered for one test: toy, toy:faulty, toy:shy."""
+    """The engines of `toy_engines.py`, registered for one file of tests: toy, toy:faulty, toy:shy."""
     registry.register("toy", str(TOYS))
     yield registry.load(str(TOYS))
     registry.unregister("toy")

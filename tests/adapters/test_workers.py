@@ -1,8 +1,11 @@
 """Whatever an engine does, it costs its own cell only."""
 
 import os
+import signal
 import subprocess
 import sys
+import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,8 +22,9 @@ SCENE = Scene((Body("a", Sphere(0.1), mass=1.0, velocity=(1.0, 0.0, 0.0)), Body(
 TIMES = np.linspace(0.0, 1.0, 11)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def workers(toys):
+    """One pool for all tests of this file: each finds it usable, whatever the tests before did to it."""
     with Workers() as pool:
         yield pool
 
@@ -62,9 +66,8 @@ def test_a_fault_costs_its_own_cell_and_keeps_what_was_computed(workers, toys, f
     whole = run(toys["toy"], SCENE, TIMES).outcome
     for name in ("t", "x", "q", "v", "w"):
         np.testing.assert_array_equal(getattr(broken.partial, name), getattr(whole.until(6), name))
-    after = faulty(workers, "none")
     assert isinstance(before.outcome, Trajectory)
-    assert after.outcome.digest() == before.outcome.digest()
+    assert before.outcome.digest() == whole.digest()
 
 
 def test_a_crash_leaves_the_neighbour_alone(workers):
@@ -156,3 +159,35 @@ def test_a_script_needs_no_main_guard(tmp_path, toy_file):
     )
     done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=60, check=False)
     assert (done.stdout, done.stderr) == ("Trajectory\n", "")
+
+
+def test_a_worker_that_hangs_does_not_outlive_a_parent_that_is_killed(tmp_path, toy_file):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import os, signal, threading, time\nfrom adapters import registry\nfrom adapters.workers import Workers\n"
+        "from mechanics.scene import Body, Scene\nfrom mechanics.shapes import Sphere\n"
+        f"registry.register('toy', {str(toy_file)!r})\n"
+        "scene = Scene((Body('a', Sphere(0.1), mass=1.0),))\n"
+        "workers = Workers()\n"
+        "workers.run('toy:faulty', scene, [0.0, 0.1])\n"
+        "print(workers._workers['toy:faulty']._process.pid, flush=True)\n"
+        "threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGKILL)).start()\n"
+        "workers.run('toy:faulty', scene, [0.0, 1.0], {'fault': 'hang'})\n"
+    )
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == -signal.SIGKILL
+    child = int(done.stdout)
+    for _ in range(100):
+        if not alive(child):
+            return
+        time.sleep(0.05)
+    os.kill(child, signal.SIGKILL)
+    pytest.fail("the worker is still there")
+
+
+def alive(pid):
+    """Whether the process runs; one that has ended and that nobody has waited for does not."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False
