@@ -296,7 +296,7 @@ def _directions(basis: np.ndarray) -> str:
     if len(basis) == 3:
         return "conserved"
     if len(basis) == 0:
-        return "not conserved"
+        return "not judged"
     names = {(1.0, 0.0, 0.0): "x", (0.0, 1.0, 0.0): "y", (0.0, 0.0, 1.0): "z"}
     words = [names.get(tuple(np.abs(d).tolist()), _words(d)) for d in basis]
     return "conserved along " + " and ".join(words)

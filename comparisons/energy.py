@@ -21,7 +21,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from comparisons.conserved import conserved
 from comparisons.measurement import Case, Quantity
 from comparisons.moving import Moving
 from mechanics.effects import Force, Spring
@@ -45,17 +44,19 @@ QUANTITIES = {
 
 def measure(case: Case) -> Iterator[Quantity]:
     """The energy errors of a case, as far as the scene says anything about its energy."""
-    moving = Moving.of(case.scene, case.trajectory)
+    moving = case.moving
     if not len(moving.mass):
         return
-    law = conserved(case.scene, case.scenario.duration)
+    law = case.conserved
     if law.energy == "unknown":
         asked = (name for name in QUANTITIES if case.asks(name))
         yield from (Quantity(name, np.nan, QUANTITIES[name][0], text=law.sentences()[2]) for name in asked)
         return
-    raw = mechanical_energy(case.scene, case.trajectory, until=case.scenario.duration)
-    synchronised = mechanical_energy(case.scene, case.trajectory, case.run.lead, case.scenario.duration)
-    scale = energy_scale(moving, raw - moving.kinetic)
+    duration = case.scenario.duration
+    potential = potential_energy(moving, case.trajectory, until=duration)
+    raw = moving.kinetic + potential
+    synchronised = moving.kinetic + potential_energy(moving, case.trajectory, case.run.lead, duration)
+    scale = energy_scale(moving, potential)
     for energy, suffix in ((raw, ""), (synchronised, ", synchronised")):
         if law.energy == "conserved":
             yield Quantity.worst(f"energy error{suffix}", np.abs(energy - energy[0]), "1", moving.t, scale)
@@ -70,14 +71,14 @@ def measure(case: Case) -> Iterator[Quantity]:
         yield Quantity.worst("relative energy error", np.abs(raw - raw[0]), "1", moving.t, abs(float(raw[0])))
 
 
-def mechanical_energy(scene: Scene, trajectory: Trajectory, lead: float = 0.0, until: float = np.inf) -> np.ndarray:
-    """Kinetic plus potential energy of the moving bodies at every sample [J].
+def potential_energy(moving: Moving, trajectory: Trajectory, lead: float = 0.0, until: float = np.inf) -> np.ndarray:
+    """Energy of the moving bodies in gravity, springs and constant forces at every sample [J].
 
     Parameters
     ----------
-    scene : Scene
+    moving : Moving
     trajectory : Trajectory
-        Of all bodies of the scene.
+        Of all bodies of the scene: springs may end on fixed ones.
     lead : float
         Time by which positions run ahead of velocities [s].
     until : float
@@ -87,8 +88,9 @@ def mechanical_energy(scene: Scene, trajectory: Trajectory, lead: float = 0.0, u
     -------
     (T,) array.  Gravity's potential is 0 at the world's origin, that of a constant force likewise.
     """
-    moving = Moving.of(scene, trajectory)
-    potential = -np.einsum("k,tki,i->t", moving.mass, moving.x - lead * moving.v, scene.gravity)
+    scene = moving.scene
+    weighted = moving.mass.sum() * moving.centre - lead * moving.momentum
+    potential = -(weighted @ scene.gravity)
     for force in scene.all(Force):
         if force.start == 0.0 and force.end >= until:
             point = _anchor(scene, trajectory, force.body, force.point, lead)
@@ -97,7 +99,7 @@ def mechanical_energy(scene: Scene, trajectory: Trajectory, lead: float = 0.0, u
         a = _anchor(scene, trajectory, spring.a, spring.anchor_a, lead)
         b = _anchor(scene, trajectory, spring.b, spring.anchor_b, lead)
         potential += 0.5 * spring.stiffness * (np.linalg.norm(a - b, axis=1) - spring.length) ** 2
-    return np.asarray(moving.kinetic + potential)
+    return np.asarray(potential)
 
 
 def energy_scale(moving: Moving, potential: np.ndarray) -> float:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from adapters.run import Run
+from comparisons.conserved import Conserved, conserved
+from comparisons.moving import Moving
 from mechanics.scene import Scene
 from mechanics.trajectory import Trajectory
 from scenarios.scenario import Scenario
@@ -25,6 +28,16 @@ class Case:
     def scene(self) -> Scene:
         """The scene that was run."""
         return self.scenario.scene
+
+    @cached_property
+    def moving(self) -> Moving:
+        """The bodies that have a mass, with their motion."""
+        return Moving.of(self.scene, self.trajectory)
+
+    @cached_property
+    def conserved(self) -> Conserved:
+        """What the effects of the scene conserve."""
+        return conserved(self.scene, self.scenario.duration)
 
     def asks(self, quantity: str) -> bool:
         """Whether the scenario demands something of `quantity`."""

@@ -22,7 +22,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from comparisons.conserved import Conserved, conserved
+from comparisons.conserved import Conserved
 from comparisons.measurement import Case, Quantity
 from comparisons.moving import Moving
 from mechanics.effects import Force, Hinge, Rod, Rotation, Spring, Tether
@@ -39,10 +39,10 @@ QUANTITIES = {
 
 def measure(case: Case) -> Iterator[Quantity]:
     """The momentum errors of a case, as far as the scene conserves anything."""
-    moving = Moving.of(case.scene, case.trajectory)
+    moving = case.moving
     if not len(moving.mass):
         return
-    kept = conserved(case.scene, case.scenario.duration)
+    kept = case.conserved
     linear, angular, relative = QUANTITIES
     if len(kept.linear):
         yield Quantity.worst(linear, linear_deviation(moving, kept), "1", moving.t, linear_scale(moving))

@@ -80,6 +80,8 @@ class Moving:
     @cached_property
     def spin(self) -> np.ndarray:
         """(T, k, 3) angular momenta about the bodies' own centres of mass, I ω, world frame [kg m2/s]."""
+        if not self.w.any():
+            return np.zeros_like(self.w)
         body = np.einsum("kij,tkj->tki", self.inertia, unrotate(self.q, self.w))
         return np.asarray(rotate(self.q, body))
 

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from comparisons.measurement import Case, Quantity
-from comparisons.moving import Moving
 from mechanics.effects import Resting
 from mechanics.rotation import angle_between
 
@@ -21,7 +20,7 @@ QUANTITIES = {
 
 def measure(case: Case) -> Iterator[Quantity]:
     """Drift and tilt where they are asked for, speed at the end where bodies may rest, distance from the plane."""
-    moving = Moving.of(case.scene, case.trajectory)
+    moving = case.moving
     if not len(moving.mass):
         return
     if case.asks("drift"):

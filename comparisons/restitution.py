@@ -7,20 +7,19 @@ time of contact (positions are continuous), and there e = -u⁺/u⁻ along the n
 carried back by the engine's `lead`, so that they belong to the same time as the velocities.
 
 Measured are impacts whose normal is beyond doubt: a sphere against a sphere or against anything
-fixed (against anything where nothing turns), and a body that does not turn against a half-space.
+fixed (against anything where nothing turns), and against a half-space a body that does not turn or that
+lands flat (then by its centre: what lands flat must not start to turn).
 Bodies on springs, rods, tethers and hinges, and scenes with drag, are left out: their accelerations are
 not known beforehand.
 
-An engine with time steps knows the time of an impact to one step only, and while that passes
-gravity changes u.  The error of an impact is therefore the distance of the coefficient asked for from all values
-that a time of contact within one step gives; without acceleration, or without steps, that is |e - asked|.
-
-Too slow to tell, and left out, are impacts slower than |a| max(20 h, 4 Δ, 1.5 Δ/e), with the step h, the
-interval of samples Δ and the relative acceleration a: below, that uncertainty exceeds a twentieth
-of the speed, or the flight that follows is shorter than three samples.  Left out as well are
-intervals in which a third body takes part (the momentum of the pair changes, or another
-contact of it acts along the normal) and those whose carried states do not meet at the surface (more than one
-impact between two samples).
+An engine with time steps knows the time of an impact to one step h only, and while that passes gravity
+changes u: its e is uncertain by (1 + e) |a| h/|u|, with a the relative acceleration.  Too slow to tell
+are therefore impacts slower than |a| max(20 h, 4 Δ, 1.5 Δ/e), with Δ the interval of samples: below,
+that uncertainty exceeds a tenth, or the flight that follows is shorter than three samples.  They are
+left out, unless no impact is faster: then the fastest of them is taken, with that remark.  Left
+out in any case are intervals in which a third body takes part (the momentum of the pair changes, or another
+contact of it acts along the normal) and those whose carried states do not meet at the surface (more
+than one impact between two samples).
 """
 
 from __future__ import annotations
@@ -40,7 +39,7 @@ from mechanics.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Shape, Sph
 from mechanics.trajectory import Trajectory
 
 QUANTITIES = {
-    "restitution error": ("1", "largest difference of the effective from the declared coefficient of restitution"),
+    "restitution error": ("1", "largest difference of the effective coefficient of restitution from the declared one"),
     "restitution": ("1", "median of the effective coefficients of restitution"),
     "impacts seen": ("1", "number of impacts whose coefficient could be measured"),
 }
@@ -48,7 +47,7 @@ QUANTITIES = {
 
 @dataclass(frozen=True)
 class Impacts:
-    """Measured impacts of one pair of bodies, and how many could not be measured.
+    """Impacts of one pair of bodies.
 
     Attributes
     ----------
@@ -56,13 +55,20 @@ class Impacts:
     e : (K,) array
         Effective coefficient of restitution.
     error : (K,) array
-        Distance of the declared coefficient from what the time of contact leaves open.
+        Its distance from the declared one.
+    speed : (K,) array
+        Speed of approach [m/s].
+    clear : (K,) array of bool
+        Whether it is fast enough to tell.
     skipped : int
+        How many could not be measured.
     """
 
     time: np.ndarray
     e: np.ndarray
     error: np.ndarray
+    speed: np.ndarray
+    clear: np.ndarray
     skipped: int
 
 
@@ -71,13 +77,19 @@ def measure(case: Case) -> Iterator[Quantity]:
     if Restitution not in case.scene.needs or len(case.trajectory) < 3:
         return
     found = impacts(case.scene, case.trajectory, case.run.lead, _step(case.run.settings))
-    time, e, error = (np.concatenate([[], *(getattr(f, n) for f in found)]) for n in ("time", "e", "error"))
-    skipped = sum(f.skipped for f in found)
-    text = f"{len(e)} measured, {skipped} too slow or not alone" if skipped else ""
-    yield Quantity("impacts seen", float(len(e)), "1", text=text)
-    if len(e):
-        yield Quantity.worst("restitution error", error, "1", time)
-        yield Quantity("restitution", float(np.median(e)), "1")
+    time, e, error, speed, clear = (
+        np.concatenate([[], *(getattr(f, name) for f in found)]) for name in ("time", "e", "error", "speed", "clear")
+    )
+    chosen, text = clear > 0.0, ""
+    skipped = sum(f.skipped for f in found) + int(np.count_nonzero(~chosen))
+    if skipped:
+        text = f"{int(chosen.sum())} measured, {skipped} too slow or not alone"
+    if len(e) and not chosen.any():
+        chosen[np.argmax(speed)], text = True, "slower than what can be told for certain at this step and sampling"
+    yield Quantity("impacts seen", float(chosen.sum()), "1", text=text)
+    if chosen.any():
+        yield Quantity.worst("restitution error", error[chosen], "1", time[chosen], text=text)
+        yield Quantity("restitution", float(np.median(e[chosen])), "1")
     elif case.asks("restitution error"):
         # impacts were due: if none was even tried, the bodies did not collide
         value, why = (np.nan, text) if skipped else (np.inf, "no impact seen")
@@ -97,13 +109,11 @@ def impacts(scene: Scene, trajectory: Trajectory, lead: float = 0.0, step: float
     step : float
         Time step of the engine [s]; 0 = it finds the time of contact.
     """
-    intervals = np.diff(trajectory.t)
-    reach = float(np.linalg.norm(trajectory.v, axis=2).max() * 2.0 * intervals.max())
-    pairs = [
-        _Pair.of(scene, trajectory, *ij, lead) for ij in close_pairs(scene, trajectory, reach) if _clear(scene, *ij)
-    ]
+    reach = float(np.linalg.norm(trajectory.v, axis=2).max() * 2.0 * np.diff(trajectory.t).max())
+    close = list(close_pairs(scene, trajectory, reach))
+    pairs = [_Pair.of(scene, trajectory, *ij, lead) for ij in close if _clear(scene, *ij)]
     pairs = [pair for pair in pairs if pair.hits.any()]
-    return [_measured(pair, [p for p in pairs if p is not pair], step) for pair in pairs]
+    return [_measured(pair, pairs, close, step) for pair in pairs]
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,8 +134,8 @@ class _Pair:
     @staticmethod
     def of(scene: Scene, trajectory: Trajectory, i: int, j: int, lead: float) -> _Pair:
         a, b = (j, i) if _plain(scene.bodies[j].shape, scene.bodies[i].shape) else (i, j)
-        x = trajectory.x - lead * trajectory.v
-        r, w = x[:, a] - x[:, b], trajectory.v[:, a] - trajectory.v[:, b]
+        w = trajectory.v[:, a] - trajectory.v[:, b]
+        r = trajectory.x[:, a] - trajectory.x[:, b] - lead * w
         acceleration = _known(scene, a) - _known(scene, b)
         gap, normal = _gap(scene, trajectory, a, b, r, np.arange(len(r)))
         pair = _Pair(scene, a, b, trajectory, r, w, acceleration, gap, normal, np.zeros(0, dtype=bool))
@@ -167,14 +177,15 @@ def _gap(
     """Gap [m] and normal of the pair with a at `r` from b, attitudes as at the samples `rows`."""
     pose = Pose(np.zeros_like(r), trajectory.q[rows, b])
     distance, normal = surface_distance(scene.bodies[b].shape, pose, r)
-    return distance - _extent(scene.bodies[a].shape, unrotate(trajectory.q[rows, a], normal)), normal
+    shape = scene.bodies[a].shape
+    if isinstance(shape, Sphere):
+        return distance - shape.radius, normal
+    return distance - _extent(shape, unrotate(trajectory.q[rows, a], normal)), normal
 
 
 def _extent(shape: Shape, direction: np.ndarray) -> np.ndarray:
-    """(T,) how far a body reaches from its centre against each `direction` (T, 3), body frame [m]."""
+    """(T,) how far a body that is no sphere reaches from its centre against `direction` (T, 3), body frame [m]."""
     match shape:
-        case Sphere(radius):
-            return np.full(len(direction), radius)
         case Box(size):
             return np.asarray(np.abs(direction) @ (0.5 * np.array(size)))
         case Capsule(radius, length):
@@ -201,78 +212,122 @@ def _hits(pair: _Pair) -> np.ndarray:
     return np.asarray((along > threshold) & (np.minimum(pair.gap[1:], pair.gap[:-1]) <= reach))
 
 
-def _measured(pair: _Pair, others: list[_Pair], step: float) -> Impacts:
+def _measured(pair: _Pair, pairs: list[_Pair], close: list[tuple[int, int]], step: float) -> Impacts:
     asked = pair.scene.restitution(pair.a, pair.b)
     first, last = _windows(pair)
     t, span = pair.trajectory.t, pair.trajectory.t[last] - pair.trajectory.t[first]
     free = np.append(~pair.hits, False)[last]  # nothing pushes after it: the state may be carried back
-    away = pair.w[last] - (span * free)[:, None] * pair.acceleration
-    start = pair.r[last] - span[:, None] * pair.w[last] + 0.5 * (span**2)[:, None] * pair.acceleration
-    apart, jump = pair.r[first] - start, pair.w[first] - pair.w[last] + span[:, None] * pair.acceleration
-    s = -np.einsum("ki,ki->k", apart, jump) / np.einsum("ki,ki->k", jump, jump)
+    s = _meeting(pair, first, last, span, free)
     inside = (s >= -1.01 * step - 1e-9 * span) & (s <= span + 1.01 * step + 1e-9 * span)
     s = np.clip(s, 0.0, span)
     r = pair.r[first] + s[:, None] * pair.w[first] + 0.5 * (s**2)[:, None] * pair.acceleration
     gap, normal = _gap(pair.scene, pair.trajectory, pair.a, pair.b, r, first)
-    before, after, gain = (np.einsum("ki,ki->k", normal, v) for v in (pair.w[first], away, pair.acceleration + 0 * r))
-
-    def coefficient(at: np.ndarray) -> np.ndarray:
-        return np.asarray(-(after + gain * free * at) / (before + gain * at))
-
+    before, after = (np.einsum("ki,ki->k", normal, pair.w[rows]) for rows in (first, last))
+    gain = normal @ pair.acceleration
     speed = -(before + gain * s)
-    limit = np.abs(gain) * np.maximum(20.0 * step, span * max(4.0, 1.5 / asked if asked else 0.0))
+    interval = t[first + 1] - t[first]
+    limit = np.abs(gain) * np.maximum(20.0 * step, interval * max(4.0, 1.5 / asked if asked else 0.0))
     deepest = np.array([-pair.gap[i : j + 1].min() for i, j in zip(first, last, strict=True)])
     slack = 2.0 * step * np.abs(speed) + np.maximum(deepest, 0.0) + 1e-6 * (np.linalg.norm(r, axis=1) + np.abs(gap))
-    good = inside & (speed > limit) & (np.abs(gap) <= slack) & _alone(pair, others, first, last, normal)
-    good &= _unturned(pair, first, last, speed) & (last < len(t) - 1)
-    ends = [coefficient(np.clip(s + d, 0.0, span)) for d in (-step, step)]
-    error = np.maximum(0.0, np.maximum(np.minimum(*ends) - asked, asked - np.maximum(*ends)))
-    collided = speed > 0.0
-    return Impacts((t[first] + s)[good], coefficient(s)[good], error[good], int(np.count_nonzero(collided & ~good)))
+    good = inside & (speed > 0.0) & (np.abs(gap) <= slack) & _alone(pair, pairs, close, first, last, normal)
+    good &= _unturned(pair, first, last, speed, normal) & (last < len(t) - 1)
+    e = (after - gain * free * (span - s)) / np.where(speed > 0.0, speed, 1.0)
+    rows = ((t[first] + s)[good], e[good], np.abs(e - asked)[good], speed[good], (speed > limit)[good])
+    return Impacts(*rows, int(np.count_nonzero((speed > 0.0) & ~good)))
+
+
+def _meeting(pair: _Pair, first: np.ndarray, last: np.ndarray, span: np.ndarray, free: np.ndarray) -> np.ndarray:
+    """(K,) time after the first sample at which the path before meets the path after [s].
+
+    Their distance is c + b s + A s² along the jump of velocity; A = 0 where the same acceleration acts on
+    both, and not where the bodies stay together.
+    """
+    carried = (span * free)[:, None] * pair.acceleration
+    jump = pair.w[last] - pair.w[first] - carried
+    apart = pair.r[last] - span[:, None] * pair.w[last] + 0.5 * span[:, None] * carried - pair.r[first]
+    b = np.linalg.norm(jump, axis=1)
+    towards = jump / b[:, None]
+    c = np.einsum("ki,ki->k", towards, apart)
+    quadratic = np.where(free, 0.0, -0.5 * (towards @ pair.acceleration))
+    return np.asarray(-2.0 * c / (b + np.sqrt(np.maximum(b * b - 4.0 * quadratic * c, 0.0))))
 
 
 def _windows(pair: _Pair) -> tuple[np.ndarray, np.ndarray]:
     """Samples before and after each impact: runs of intervals in which b pushes a, up to the fastest separation.
 
     A soft contact pushes over many intervals; a body that stays pushes for ever, but after the first
-    interval gains no more speed.
+    interval gains no more speed.  A push that leaves the bodies approaching belongs to the next one.
     """
+    u = np.einsum("ti,ti->t", pair.normal, pair.w)
     edges = np.diff(np.concatenate([[0], pair.hits.astype(np.int8), [0]]))
-    first, stop = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
-    last = stop.copy()
-    for n in np.flatnonzero(stop - first > 1):
-        u = np.einsum("ti,ti->t", pair.normal[first[n] : stop[n] + 1], pair.w[first[n] : stop[n] + 1])
-        enough = u[1:] >= u[1:].max() - 0.01 * abs(u[0])
-        last[n] = first[n] + 1 + int(np.argmax(enough))
-    return first, last
+    windows: list[tuple[int, int]] = []
+    for first, stop in zip(np.flatnonzero(edges == 1).tolist(), np.flatnonzero(edges == -1).tolist(), strict=True):
+        enough = u[first + 1 : stop + 1] >= u[first + 1 : stop + 1].max() - 0.01 * abs(u[first])
+        last = first + 1 + int(np.argmax(enough))
+        if windows and u[windows[-1][1]] < -0.01 * abs(u[windows[-1][0]]):
+            first = windows.pop()[0]
+        windows.append((first, last))
+    return np.array([w[0] for w in windows]), np.array([w[1] for w in windows])
 
 
-def _alone(pair: _Pair, others: list[_Pair], first: np.ndarray, last: np.ndarray, normal: np.ndarray) -> np.ndarray:
+def _alone(
+    pair: _Pair,
+    pairs: list[_Pair],
+    close: list[tuple[int, int]],
+    first: np.ndarray,
+    last: np.ndarray,
+    normal: np.ndarray,
+) -> np.ndarray:
     """(K,) whether no third body had a part in the change of velocity along the normal."""
-    bodies, v, t = pair.scene.bodies, pair.trajectory.v, pair.trajectory.t
-    if not bodies[pair.b].fixed and not bodies[pair.a].fixed:
-        gained = []
-        for i in (pair.a, pair.b):
-            known = (t[last] - t[first])[:, None] * _known(pair.scene, i)
-            gained.append(bodies[i].mass * np.einsum("ki,ki->k", normal, v[last, i] - v[first, i] - known))
-        return np.asarray(np.abs(gained[0] + gained[1]) <= 0.01 * np.minimum(np.abs(gained[0]), np.abs(gained[1])))
-    mine = pair.b if bodies[pair.a].fixed else pair.a
-    alone = np.ones(len(first), dtype=bool)
-    for other in others:
-        if mine in (other.a, other.b):
+    moving = {i for i in (pair.a, pair.b) if not pair.scene.bodies[i].fixed}
+    company = np.zeros(len(first), dtype=bool)
+    if len(moving) == 2:
+        for i, j in close:
+            if moving & {i, j} and {i, j} != moving:
+                near = _near(pair.scene, pair.trajectory, i, j)
+                company |= near[first] | near[last]
+        return ~company | _balanced(pair, first, last, normal)
+    for other in pairs:
+        if other is not pair and moving & {other.a, other.b}:
             for n, (i, j) in enumerate(zip(first, last, strict=True)):
                 rows = i + np.flatnonzero(other.hits[i:j])
-                alone[n] &= not (np.abs(other.normal[rows] @ normal[n]) > 0.01).any()
-    return alone
+                company[n] |= bool((np.abs(other.normal[rows] @ normal[n]) > 0.01).any())
+    for i, j in close:
+        if moving & {i, j} and not _clear(pair.scene, i, j):
+            near = _near(pair.scene, pair.trajectory, i, j)
+            company |= near[first] | near[last]
+    return ~company
 
 
-def _unturned(pair: _Pair, first: np.ndarray, last: np.ndarray, speed: np.ndarray) -> np.ndarray:
-    """(K,) whether the rotation of a plays no part: it is a sphere, or does not turn before nor after."""
+def _near(scene: Scene, trajectory: Trajectory, i: int, j: int) -> np.ndarray:
+    """(T,) whether two bodies may touch within an interval of samples."""
+    if HalfSpace in (type(scene.bodies[i].shape), type(scene.bodies[j].shape)):
+        return np.ones(len(trajectory), dtype=bool)
+    radii = bounding_radius(scene.bodies[i].shape) + bounding_radius(scene.bodies[j].shape)
+    # not the speed of these two: what stands may be struck and strike on between two samples
+    reach = 2.0 * np.linalg.norm(trajectory.v, axis=2).max(axis=1) * np.diff(trajectory.t).max()
+    return np.asarray(np.linalg.norm(trajectory.x[:, i] - trajectory.x[:, j], axis=1) <= radii + reach)
+
+
+def _balanced(pair: _Pair, first: np.ndarray, last: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """(K,) whether one body gained the momentum along the normal that the other lost, to a hundredth."""
+    v, t, gained = pair.trajectory.v, pair.trajectory.t, []
+    for i in (pair.a, pair.b):
+        change = v[last, i] - v[first, i] - (t[last] - t[first])[:, None] * _known(pair.scene, i)
+        gained.append((pair.scene.bodies[i].mass or 0.0) * np.einsum("ki,ki->k", normal, change))
+    return np.asarray(np.abs(gained[0] + gained[1]) <= 0.01 * np.minimum(np.abs(gained[0]), np.abs(gained[1])))
+
+
+def _unturned(pair: _Pair, first: np.ndarray, last: np.ndarray, speed: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """(K,) whether rotation plays no part: a sphere, what does not turn, or what comes unturning and lands flat."""
     shape = pair.scene.bodies[pair.a].shape
     if isinstance(shape, Sphere):
         return np.ones(len(first), dtype=bool)
     turning = np.linalg.norm(pair.trajectory.w[:, pair.a], axis=1) * bounding_radius(shape)
-    return np.asarray(np.maximum(turning[first], turning[last]) <= 1e-3 * np.abs(speed))
+    axes = np.abs(unrotate(pair.trajectory.q[first, pair.a], normal))
+    flat = axes.max(axis=1) > 1.0 - 1e-9 if isinstance(shape, Box) else np.zeros(len(first), dtype=bool)
+    limit = 1e-3 * np.abs(speed)
+    return np.asarray((turning[first] <= limit) & ((turning[last] <= limit) | flat))
 
 
 def _step(settings: dict[str, object]) -> float:
