@@ -71,6 +71,12 @@ def measure(case: Case) -> Iterator[Quantity]:
         yield Quantity.worst("relative energy error", np.abs(raw - raw[0]), "1", moving.t, abs(float(raw[0])))
 
 
+def mechanical_energy(scene: Scene, trajectory: Trajectory, lead: float = 0.0, until: float = np.inf) -> np.ndarray:
+    """(T,) kinetic plus potential energy of the moving bodies [J]; arguments as in `potential_energy`."""
+    moving = Moving.of(scene, trajectory)
+    return np.asarray(moving.kinetic + potential_energy(moving, trajectory, lead, until))
+
+
 def potential_energy(moving: Moving, trajectory: Trajectory, lead: float = 0.0, until: float = np.inf) -> np.ndarray:
     """Energy of the moving bodies in gravity, springs and constant forces at every sample [J].
 
