@@ -29,7 +29,8 @@ def write(
     traces : mapping, optional
         Key of a cell -> its recorded motion, for the curves over time.
     known : mapping, optional
-        Label -> Scenario, for truth and energy in those curves; without it the catalogue is asked.
+        Label -> Scenario, for truth and energy in those curves and the restitution that was asked for; without
+        it the catalogue is asked.
 
     Returns
     -------
@@ -46,15 +47,18 @@ def write(
     from reports.junit import junit
     from reports.markdown import markdown
     from reports.page import page
-    from reports.series import look_up, time_series
+    from reports.series import declared_restitution, look_up, time_series
 
     place = Path(folder)
     place.mkdir(parents=True, exist_ok=True)
     paths = {name: place / name for name in (
         "index.html", "summary.md", "junit.xml", "measurements.csv", "measurements.parquet", "cells.csv"
     )}  # fmt: skip
-    series = time_series(campaign, traces, look_up(campaign) if known is None else known) if traces else []
-    texts = {"index.html": page(campaign, series), "summary.md": markdown(campaign), "junit.xml": junit(campaign)}
+    known = look_up(campaign) if known is None else known
+    curves = time_series(campaign, traces or {}, known)
+    recorded = {c.scenario for c in campaign.cells if traces and c.key in traces}
+    html = page(campaign, curves, len(recorded) - len(curves), declared_restitution(known))
+    texts = {"index.html": html, "summary.md": markdown(campaign), "junit.xml": junit(campaign)}
     for name, text in texts.items():
         paths[name].write_bytes(text.encode("utf-8", "replace"))
     tables.write_csv(tables.measurement_rows(campaign), tables.COLUMNS, paths["measurements.csv"])

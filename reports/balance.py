@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from comparisons.cell import Campaign, Cell
@@ -44,14 +44,22 @@ class Section:
     lines: tuple[Line, ...]
 
 
-def balance(campaign: Campaign, subjects: Sequence[str] = SUBJECTS) -> tuple[Section, ...]:
-    """Lines of every scenario for quantities about `subjects`, subject by subject."""
+def balance(
+    campaign: Campaign, asked: Mapping[str, float] | None = None, subjects: Sequence[str] = SUBJECTS
+) -> tuple[Section, ...]:
+    """Lines of every scenario for quantities about `subjects`, subject by subject.
+
+    Parameters
+    ----------
+    asked : mapping, optional
+        Scenario -> coefficient of restitution it declares, written beside what was got.
+    """
     table, order = chosen(campaign), engines(campaign)
     sections = []
     for scenario in scenarios(campaign):
         cells = [table.get((scenario, e)) for e in order]
         names = _quantities([c for c in cells if c], subjects)
-        lines = tuple(_line(name, cells) for name in names)
+        lines = tuple(_line(name, cells, (asked or {}).get(scenario)) for name in names)
         if lines:
             sections.append(Section(scenario, lines))
     return tuple(sections)
@@ -62,11 +70,12 @@ def _quantities(cells: Sequence[Cell], subjects: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(n for subject in subjects for n in names if subject in n.lower()))
 
 
-def _line(quantity: str, cells: Sequence[Cell | None]) -> Line:
+def _line(quantity: str, cells: Sequence[Cell | None], asked: float | None) -> Line:
     found = [c.of(quantity) if c else None for c in cells]
     unit = next((m.unit for m in found if m), "")
+    told = f" (asked {short(asked)})" if quantity == "restitution" and asked is not None else ""
     return Line(
-        quantity,
+        quantity + told,
         unit_text(unit),
         tuple(_value(m) for m in found),
         tuple(m.text if m else "" for m in found),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from comparisons.cell import Campaign, Cell
-from reports.verdict import ABSENT, BROKEN, anchor, engines, mark, sentence
+from reports.verdict import ABSENT, BROKEN, anchor, engines, mark, sentence, unjudged
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,7 @@ KINDS = (
     ),
     ("Passes against the record", "On record as failing; take the record back if this is meant to last.", ("xpass",)),
     ("Known", "Beyond tolerance for a reason that has been measured and is on record.", ("xfail",)),
+    ("Not judged", "A fault of the harness: a demanded quantity could not be computed.", ("unjudged",)),
     ("Refused or not run", "Not an error: the engine says that it cannot, and why.", ABSENT),
 )
 
@@ -56,7 +57,11 @@ def findings(campaign: Campaign) -> tuple[Chapter, ...]:
     fragments = anchor(campaign)
     chapters = []
     for title, lead, states in KINDS:
-        cells = [(c, fragments[k]) for k, c in enumerate(campaign.cells) if c.state in states]
+        cells = [
+            (c, fragments[k])
+            for k, c in enumerate(campaign.cells)
+            if ("unjudged" if unjudged(c) else c.state) in states
+        ]
         if not cells:
             continue
         by_engine = []
@@ -67,6 +72,10 @@ def findings(campaign: Campaign) -> tuple[Chapter, ...]:
         sign = mark(cells[0][0])
         chapters.append(Chapter(title, lead, sign.glyph, sign.tone, tuple(by_engine), len(cells)))
     return tuple(chapters)
+
+
+def _kind(cell: Cell) -> str:
+    return "unjudged" if unjudged(cell) else cell.state
 
 
 def _same_reason(cells: list[tuple[Cell, str]]) -> tuple[Finding, ...]:

@@ -22,6 +22,7 @@ from reports.verdict import (
     ratio_text,
     scenarios,
     sentence,
+    unjudged,
 )
 
 
@@ -112,7 +113,7 @@ def footnote(cell: Cell) -> str:
 
 
 def _ratio(cell: Cell) -> str:
-    if cell.state in ABSENT:
+    if cell.state in ABSENT or unjudged(cell):
         return ""
     if cell.state in BROKEN:
         return f"at {short(cell.time)} s" if cell.time > 0.0 else cell.stage

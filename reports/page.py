@@ -14,11 +14,12 @@ from comparisons.cell import Campaign, Cell, cell_to_json
 from comparisons.measurement import Measurement
 from reports.balance import balance
 from reports.charts import cost_figures, has_point
-from reports.figures import Figure, asset, marker_shape, svg
+from reports.drawing import asset, marker_shape, svg
 from reports.findings import findings
 from reports.matrix import matrix
-from reports.numbers import count, duration_text, settings_text, short, with_unit
+from reports.numbers import count, duration_text, settings_text, short, unit_text, with_unit
 from reports.palette import base, css, profile, slug
+from reports.series import Curves
 from reports.standing import groups, lead_sentence
 from reports.verdict import (
     LEGEND,
@@ -61,13 +62,19 @@ class CellView:
     facts: tuple[tuple[str, str], ...]
 
 
-def page(campaign: Campaign, series: Sequence[tuple[str, Sequence[Figure]]] = ()) -> str:
+def page(
+    campaign: Campaign, curves: Sequence[Curves] = (), undrawn: int = 0, asked: Mapping[str, float] | None = None
+) -> str:
     """The report of a campaign as one HTML document.
 
     Parameters
     ----------
-    series : sequence of (scenario, figures)
-        Time series to show, as made by `reports.series.time_series`.
+    curves : sequence of Curves
+        What to show over time, as made by `reports.series.time_series`.
+    undrawn : int
+        Number of scenarios with a recorded motion that are not among them.
+    asked : mapping, optional
+        Scenario -> coefficient of restitution it declares.
     """
     script, style = asset("page.js"), css(tuple(engines(campaign))) + asset("figure.css") + asset("page.css")
     shown = matrix(campaign)
@@ -89,8 +96,10 @@ def page(campaign: Campaign, series: Sequence[tuple[str, Sequence[Figure]]] = ()
         legend=LEGEND,
         costs=[(f.title, svg(f)) for f in costed],
         uncosted=_uncosted(campaign),
-        balance=balance(campaign),
-        series=[(name, [(f.title, svg(f, 560.0, 230.0)) for f in figures]) for name, figures in series],
+        balance=balance(campaign, asked or {}),
+        series=[(c.scenario, [(f.title, svg(f, 560.0, 230.0)) for f in c.figures], c.remark) for c in curves],
+        undrawn=undrawn,
+        quantities=_quantities(campaign),
         chapters=findings(campaign),
         cells=_cells(campaign),
         states=list(dict.fromkeys(mark(c).word for c in campaign.cells)),
@@ -155,7 +164,7 @@ def _uncosted(campaign: Campaign) -> list[tuple[str, str]]:
 def _cells(campaign: Campaign) -> list[CellView]:
     views = []
     for cell, fragment in zip(campaign.cells, anchor(campaign).values(), strict=True):
-        cost = f"{short(1e3 * cell.cost)} ms/s" if math.isfinite(cell.cost) else ""
+        cost = f"{short(1e3 * cell.cost)} ms/s" if has_point(cell) else ""
         rows = tuple(_measurement(m) for m in cell.measurements)
         settings = settings_text(cell.settings)
         views.append(
@@ -203,6 +212,14 @@ def _details(cell: Cell) -> tuple[tuple[str, str], ...]:
     if not cell.digest:
         del facts["Repeats itself"]
     return tuple((name, text) for name, text in facts.items() if text)
+
+
+def _quantities(campaign: Campaign) -> list[tuple[str, str, str]]:
+    """(name, unit, meaning) of every quantity of the campaign that the comparisons define."""
+    from comparisons.judge import describe_quantities
+
+    measured = {m.quantity for c in campaign.cells for m in c.measurements}
+    return [(d.name, unit_text(d.unit), d.meaning) for d in describe_quantities() if d.name in measured]
 
 
 def _tolerances(campaign: Campaign) -> list[tuple[str, dict, list[tuple[str, str, str]]]]:

@@ -7,12 +7,15 @@ peak is lost.  Verdicts never come from here.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from adapters.archive import ArchiveError
 from comparisons.cell import Campaign, Cell
+from mechanics.effects import Restitution
 from mechanics.trajectory import Trajectory
 from reports.figures import Axis, Figure, Series
 from reports.verdict import RED, chosen, engines, scenarios
@@ -25,12 +28,21 @@ BUCKETS = 160
 MOST_SCENES = 12
 
 
+@dataclass(frozen=True)
+class Curves:
+    """Figures of one scenario over time, and a remark on motions that could not be read."""
+
+    scenario: str
+    figures: tuple[Figure, ...]
+    remark: str = ""
+
+
 def time_series(
     campaign: Campaign,
     traces: Mapping[str, Trajectory | Run],
     known: Mapping[str, Scenario],
     most: int = MOST_SCENES,
-) -> list[tuple[str, list[Figure]]]:
+) -> list[Curves]:
     """Figures of energy and of the body that travels farthest, per scenario.
 
     Parameters
@@ -45,7 +57,7 @@ def time_series(
 
     Returns
     -------
-    list of (label, figures), in the order of every table.
+    list of Curves, in the order of every table.
     """
     table = {place: cell for place, cell in chosen(campaign).items() if cell.key in traces}
     labels = [s for s in scenarios(campaign) if any(place[0] == s for place in table)]
@@ -55,8 +67,14 @@ def time_series(
     for label in labels:
         cells = [table[label, e] for e in engines(campaign) if (label, e) in table]
         if label in kept:
-            shown.append((label, _figures(cells, traces, known.get(label))))
+            shown.append(_curves(label, cells, traces, known.get(label)))
     return shown
+
+
+def declared_restitution(known: Mapping[str, Scenario]) -> dict[str, float]:
+    """Label -> coefficient of restitution, of scenarios that declare one and the same for every pair."""
+    effects = {label: s.scene.effect(Restitution) for label, s in known.items()}
+    return {label: effect.coefficient for label, effect in effects.items() if effect and not effect.between}
 
 
 def look_up(campaign: Campaign) -> dict[str, Scenario]:
@@ -74,11 +92,22 @@ def look_up(campaign: Campaign) -> dict[str, Scenario]:
     return found
 
 
-def _figures(cells: Sequence[Cell], traces: Mapping[str, Trajectory | Run], known: Scenario | None) -> list[Figure]:
-    motions = {c.engine: _motion(traces[c.key]) for c in cells}
-    motions = {engine: m for engine, m in motions.items() if len(m[0])}
-    if not motions:
-        return []
+def _curves(
+    label: str, cells: Sequence[Cell], traces: Mapping[str, Trajectory | Run], known: Scenario | None
+) -> Curves:
+    motions, lost = {}, []
+    for cell in cells:
+        try:
+            motion, lead = _motion(traces[cell.key])
+        except (ArchiveError, OSError) as error:  # one lost recording must not cost the report
+            lost.append(f"{cell.engine} is not drawn: {error}")
+            continue
+        if len(motion):
+            motions[cell.engine] = (motion, lead)
+    return Curves(label, tuple(_figures(motions, known)) if motions else (), "; ".join(lost))
+
+
+def _figures(motions: Mapping[str, tuple[Trajectory, float]], known: Scenario | None) -> list[Figure]:
     truth = None
     if known is not None and known.truth is not None:
         longest = max((m[0].t for m in motions.values()), key=len)
@@ -103,14 +132,21 @@ def _nothing() -> Trajectory:
 
 
 def _energy(motions: Mapping[str, tuple[Trajectory, float]], known: Scenario) -> Figure:
-    from comparisons.energy import mechanical_energy
-
-    values = {e: mechanical_energy(known.scene, m, lead, known.duration) for e, (m, lead) in motions.items()}
+    values = {e: _mechanical_energy(known, m, lead) for e, (m, lead) in motions.items()}
     series = [_series(e, motions[e][0].t, values[e] - values[e][0]) for e in motions]
     synchronised = any(lead for _, lead in motions.values())
     title = "Energy gained since the start" + (", synchronised" if synchronised else "")
     size = max(float(np.abs(v).max()) for v in values.values())
     return _figure(title, "E − E(0) [J]", series, least_span=1e-6 * size)
+
+
+def _mechanical_energy(known: Scenario, motion: Trajectory, lead: float) -> np.ndarray:
+    """Kinetic plus potential energy at every sample, positions carried back by `lead` [J]."""
+    from comparisons.energy import potential_energy
+    from comparisons.moving import Moving
+
+    moving = Moving.of(known.scene, motion)
+    return moving.kinetic + potential_energy(moving, motion, lead, known.duration)
 
 
 def _travel(

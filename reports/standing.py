@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from comparisons.cell import Campaign, Cell
 from reports.numbers import count, listed, short
 from reports.palette import profile
-from reports.verdict import ABSENT, BROKEN, chosen, engines, judged, mark, right, scenarios
+from reports.verdict import ABSENT, BROKEN, chosen, engines, judged, mark, right, scenarios, unjudged
 
 
 @dataclass(frozen=True)
@@ -107,8 +107,8 @@ def _group(campaign: Campaign, title: str, names: list[str]) -> Group:
 
 
 def _marked(cell: Cell | None) -> bool:
-    """Whether the cell counts: it was answered or the engine broke trying; open questions do not count."""
-    if cell is None or cell.state in ABSENT:
+    """Whether the cell counts: it was judged or the engine broke trying; open questions do not count."""
+    if cell is None or cell.state in ABSENT or unjudged(cell):
         return False
     return cell.state in BROKEN or judged(cell)
 

@@ -35,7 +35,8 @@ def measurement_rows(campaign: Campaign) -> list[dict[str, Any]]:
         identity = _identity(campaign, cell)
         cost = {"cost": cell.cost}
         for m in cell.measurements:
-            rows.append(identity | {n: ratio(m) if n == "ratio" else getattr(m, n) for n in MEASUREMENT} | cost)
+            own = {n: ratio(m) if n == "ratio" else getattr(m, n) for n in MEASUREMENT}
+            rows.append(_encodable(identity | own | cost))
     return rows
 
 
@@ -47,15 +48,23 @@ def cell_rows(campaign: Campaign) -> list[dict[str, Any]]:
         own = {name: getattr(cell, name, None) for name in CELL if name not in IDENTITY}
         own |= {"tags": " ".join(cell.tags), "notes": "\n".join(cell.notes)}
         own |= {"worst": worst.quantity if worst else "", "worst_ratio": ratio(worst)}
-        rows.append(_identity(campaign, cell) | own)
+        rows.append(_encodable(_identity(campaign, cell) | own))
     return rows
 
 
 def _identity(campaign: Campaign, cell: Cell) -> dict[str, Any]:
     settings = json.dumps(dict(cell.settings), sort_keys=True)
     special = {"run": campaign.id, "cell": cell.key, "settings": settings}
-    identity = {name: special[name] if name in special else getattr(cell, name) for name in IDENTITY}
-    return identity
+    return {name: special[name] if name in special else getattr(cell, name) for name in IDENTITY}
+
+
+def _encodable(row: dict[str, Any]) -> dict[str, Any]:
+    """`row` with every text as UTF-8 can hold it: an engine may print half a character."""
+    return {name: _text(value) if isinstance(value, str) else value for name, value in row.items()}
+
+
+def _text(value: str) -> str:
+    return value.encode("utf-8", "replace").decode()
 
 
 def frame(campaign: Campaign) -> pd.DataFrame:
@@ -84,14 +93,14 @@ def cells_frame(campaign: Campaign) -> pd.DataFrame:
 
 def _setting_columns(campaign: Campaign, keys: Sequence[str]) -> dict[str, list[Any]]:
     """One column per setting; words where any engine's value is a word, numbers otherwise."""
-    by_key = {c.key: c.settings for c in campaign.cells}
+    by_key = {_text(c.key): c.settings for c in campaign.cells}
     columns = {}
     for name in sorted({name for settings in by_key.values() for name in settings}):
         words = any(isinstance(settings.get(name), str) for settings in by_key.values())
         values = [by_key[key].get(name) for key in keys]
-        columns[f"setting.{name}"] = (
-            [None if v is None else str(v) for v in values] if words else [math.nan if v is None else v for v in values]
-        )
+        if words:
+            values = [None if v is None else _text(str(v)) for v in values]
+        columns[_text(f"setting.{name}")] = values if words else [math.nan if v is None else v for v in values]
     return columns
 
 
@@ -113,6 +122,4 @@ def write_parquet(campaign: Campaign, path: Path) -> Path:
 def _plain(value: Any) -> Any:
     if value is None or (isinstance(value, float) and math.isnan(value)):
         return ""
-    if isinstance(value, str):
-        return value.encode("utf-8", "replace").decode()
     return repr(value) if isinstance(value, float) else value

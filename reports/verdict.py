@@ -39,6 +39,7 @@ LEGEND = (
     ("!", "diverged, crash, timeout", "the engine broke"),
     ("~", "known", "fails for a reason on record"),
     ("–", "refused", "the engine says it cannot"),
+    ("?", "not judged", "a fault of the harness, charged to nobody"),
 )
 
 
@@ -59,8 +60,15 @@ class Mark:
     tone: str
 
 
+def unjudged(cell: Cell) -> bool:
+    """Whether the judge failed and not the engine: a fault of the harness is charged to nobody."""
+    return cell.state == "error" and cell.stage == "judge"
+
+
 def mark(cell: Cell) -> Mark:
     """Glyph, word and tone of a cell."""
+    if unjudged(cell):
+        return Mark("?", "not judged", "known")
     if cell.state in WORDS:
         return Mark(*WORDS[cell.state])
     if not judged(cell):
@@ -71,11 +79,6 @@ def mark(cell: Cell) -> Mark:
 def judged(cell: Cell) -> bool:
     """Whether anything was demanded of the cell."""
     return cell.worst is not None
-
-
-def answered(cell: Cell) -> bool:
-    """Whether the engine took the question, rightly or wrongly."""
-    return cell.state not in ABSENT
 
 
 def right(cell: Cell) -> bool:
@@ -115,6 +118,8 @@ def sentence(cell: Cell) -> str:
     if cell.state in ("fail", "xfail"):
         rows = [m for m in cell.measurements if m.verdict in ("fail", "unmeasured")]
         parts += [failure_text(m) for m in rows] or [cell.reason or "beyond tolerance"]
+    elif unjudged(cell):
+        parts.append(f"the harness could not judge it: {cell.reason or 'no reason given'}")
     elif cell.state in BROKEN:
         where = f" while {_DOING[cell.stage]}" if cell.stage in _DOING else ""
         parts.append(f"{WORDS[cell.state][1]}{where}{_when(cell)}: {cell.reason or 'no reason given'}")
