@@ -170,12 +170,15 @@ class MuJoCo:
     def _drag(self, draft: Draft, effect: Drag) -> None:
         draft.drags.append(effect)
 
-    def _force(self, draft: Draft, effect: Force) -> None:
+    def _force(self, draft: Draft, effect: Force) -> str | None:
         draft.forces.append(effect)
+        return "Force: its torque is computed by the adapter once per step" if any(effect.point) else None
 
     def _link(self, draft: Draft, effect: Spring | Rod | Tether) -> str | None:
+        if self.stock and isinstance(effect, Tether) and effect.restitution > 0.0:
+            raise Refusal("MuJoCo's tendons have no coefficient of restitution")
         draft.links.append(effect)
-        return None if isinstance(effect, Spring) else f"{type(effect).__name__}: a tendon, soft within one step"
+        return None if isinstance(effect, Spring) else f"{type(effect).__name__}: a soft tendon"
 
     def _restitution(self, draft: Draft, effect: Restitution) -> str | None:
         if self.stock:
@@ -358,18 +361,21 @@ class MuJoCo:
         tendon = spec.add_tendon(name=f"tendon{n}")
         for end in ends:
             tendon.wrap_site(end)
-        correction = [-CORRECTION / h**2, -1.0 / h]
         match link:
             case Spring():
-                tendon.stiffness, tendon.damping = link.stiffness, link.damping
+                # both are polynomials in MuJoCo 4; the scene's are linear
+                tendon.stiffness, tendon.damping = [link.stiffness, 0.0, 0.0], [link.damping, 0.0, 0.0]
                 tendon.springlength = [link.length, link.length]
             case Rod():
-                rod = spec.add_equality(type=mj.mjtEq.mjEQ_TENDON, name1=f"tendon{n}", solref=correction)
-                rod.solimp = IMPEDANCE
+                rod = spec.add_equality(type=mj.mjtEq.mjEQ_TENDON, name1=f"tendon{n}")
+                if not self.stock:
+                    # the whole error in one step: no rebound is there to be falsified
+                    rod.solref, rod.solimp = [-1.0 / h**2, -1.0 / h], IMPEDANCE
             case Tether():
                 tendon.limited, tendon.range = True, [0.0, link.length]
-                tendon.solref_limit = [correction[0], -(1.0 + link.restitution) / h]
-                tendon.solimp_limit = IMPEDANCE
+                if not self.stock:
+                    tendon.solref_limit = [-CORRECTION / h**2, -(1.0 + link.restitution) / h]
+                    tendon.solimp_limit = IMPEDANCE
 
     def _set_motion(self, world: World, draft: Draft) -> None:
         model, data, scene = world.model, world.data, world.scene
