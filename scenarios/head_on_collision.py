@@ -12,7 +12,7 @@ from scenarios.motion import Motion, trajectory, vectors
 from scenarios.scenario import Scenario, scenario
 from scenarios.tolerance import STEP, converged, first_order, rounding
 
-RADIUS, GAP = 0.1, 1.0  # [m]
+RADIUS, GAP = 0.1, 1.0009  # [m]; the gap closes within a step, not between two, at every usual step size
 V1, V2 = 2.0, -0.5  # [m/s]
 
 

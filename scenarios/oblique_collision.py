@@ -16,7 +16,7 @@ from scenarios.tolerance import STEP, first_order, rounding
 
 M1, M2 = 2.0, 1.0  # [kg]
 R1, R2 = 0.3, 0.2  # [m]
-SPEED, MEETING, DURATION = 3.0, 0.3, 1.0  # [m/s], [s], [s]
+SPEED, MEETING, DURATION = 3.0, 0.30037, 1.0  # [m/s], [s], [s]; they meet within a step, not between two
 REDUCED = M1 * M2 / (M1 + M2)  # [kg]
 
 

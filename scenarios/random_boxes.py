@@ -64,7 +64,9 @@ def random_boxes(seed: int = 1, layout: str = "spatial") -> Scenario:
         checks=(
             first_order("energy rise, synchronised", speed * STEP / CLEARANCE, "1", "m g v h over m g times the fall"),
             first_order("penetration", speed * STEP, "m", f"v h at {speed:.2g} m/s, the fall from the highest centre"),
-            first_order("rest speed", GRAVITY * STEP, "m/s", "g h: what gravity adds in a step at rest"),
+            first_order(
+                "rest speed", 2.0 * GRAVITY * STEP, "m/s", "2 g h: a step's fall of the centre, and as much in spin"
+            ),
         ),
         source="conservation laws only; attitudes after Shoemake, Graphics Gems III (1992)",
         about=(Gravity, Restitution, Friction, Resting, Rotation),

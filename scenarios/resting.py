@@ -31,7 +31,7 @@ def still_checks(contacts: int) -> tuple[Check, ...]:
     sink = 10.0 * contacts * GRAVITY * STEP**2
     return (
         first_order("drift", sink, "m", f"10 g h² at each of {contacts} contact(s): gravity moves g h² in a step"),
-        first_order("velocity error", GRAVITY * STEP, "m/s", "g h: what gravity adds in one step"),
+        first_order("rest speed", 2.0 * GRAVITY * STEP, "m/s", "2 g h: a step's fall of a centre, and as much in spin"),
         first_order("penetration", sink, "m", f"10 g h² at each of {contacts} contact(s)"),
     )
 
