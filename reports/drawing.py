@@ -59,7 +59,7 @@ class _Frame:
 
 
 LEFT, RIGHT, TOP, BOTTOM = 52.0, 112.0, 10.0, 38.0
-CHARACTER = 6.2  # width of a digit of a tick label [px]
+CHARACTER, LETTER = 6.2, 6.5  # width of a digit of a tick label and of a letter of a direct label [px]
 
 
 def svg(figure: Figure, width: float = 400.0, height: float = 236.0, standalone: bool = False) -> str:
@@ -84,8 +84,10 @@ def svg(figure: Figure, width: float = 400.0, height: float = 236.0, standalone:
     parts += _grid(figure, frame)
     if figure.front:
         parts.append(_front(figure, frame))
-    for one in sorted(figure.series, key=lambda s: bool(s.engine)):
-        parts.append(_drawn(one, frame))
+    drawn = sorted(figure.series, key=lambda s: bool(s.engine))
+    # what is drawn first is drawn broader, so that equal curves show as layers and none hides the others
+    breadths = [1.3 + 2.2 * (len(drawn) - 1 - k) / max(len(drawn), 4) for k in range(len(drawn))]
+    parts += [_drawn(one, frame, breadth) for one, breadth in zip(drawn, breadths, strict=True)]
     parts += _labels(figure, frame)
     names = ' xmlns="http://www.w3.org/2000/svg"' if standalone else ""
     return (
@@ -108,7 +110,8 @@ def _framed(figure: Figure, width: float, height: float, head: float) -> _Frame:
     y_least, y_most = _range(figure.y, y_values)
     y = _Scale(figure.y.log, y_least, y_most, height - BOTTOM, TOP + head)
     left = max(LEFT, 24.0 + CHARACTER * max((len(label) for _, label in y.ticks(5)), default=0))
-    return _Frame(width, height, _Scale(figure.x.log, x_least, x_most, left, width - RIGHT), y)
+    right = max(RIGHT, 31.0 + LETTER * max((len(_label(s)) for s in figure.series), default=0))
+    return _Frame(width, height, _Scale(figure.x.log, x_least, x_most, left, width - right), y)
 
 
 def _range(axis: Axis, values: Sequence[float]) -> tuple[float, float]:
@@ -156,7 +159,9 @@ def _grid(figure: Figure, frame: _Frame) -> list[str]:
     if figure.guide:
         level = y(figure.guide[0])
         parts.append(f'<path class="guide" d="M{x.start:g} {level:.1f}H{x.end:g}"/>')
-        parts.append(f'<text class="tick" x="{x.start + 4:g}" y="{level - 4:.1f}">{escape(figure.guide[1])}</text>')
+        parts.append(
+            f'<text class="tick over" x="{x.start + 4:g}" y="{level - 4:.1f}">{escape(figure.guide[1])}</text>'
+        )
     return parts
 
 
@@ -180,14 +185,15 @@ def _front(figure: Figure, frame: _Frame) -> str:
     return f'<path class="front" d="{path}H{frame.x.end:.1f}"/>'
 
 
-def _drawn(one: Series, frame: _Frame) -> str:
+def _drawn(one: Series, frame: _Frame, breadth: float) -> str:
     points = [(frame.x(x), frame.y(y)) if not math.isnan(y) else None for x, y in zip(one.x, one.y, strict=True)]
     kind = f"eng-{slug(one.engine)}" if one.engine else "truth"
     dash = look(one.engine).dash if one.engine else ""
     parts = []
     if one.joined:
         dashed = f' stroke-dasharray="{dash}"' if dash else ""
-        parts.append(f'<path class="line" d="{_path(points)}"{dashed}/>')
+        broad = f' style="stroke-width:{breadth:.1f}"' if one.engine else ""
+        parts.append(f'<path class="line" d="{_path(points)}"{dashed}{broad}/>')
     if one.marked and one.engine:
         tips = one.tips or [""] * len(points)
         parts += [_marker(one.engine, p, tip) for p, tip in zip(points, tips, strict=True) if p]
@@ -211,13 +217,13 @@ def _path(points: Sequence[tuple[float, float] | None]) -> str:
 def marker_shape(engine: str, x: float, y: float, size: float = 4.2) -> str:
     """Marker of an engine at a point [px], as an SVG path."""
     style = look(engine)
-    kind = "stroke" if style.marker == "cross" else "hollow" if style.hollow else "solid"
-    if style.marker == "cross" and style.hollow:
-        kind = "stroke thin"
-    return (
-        f'<path class="marker {kind}" transform="translate({x:.1f} {y:.1f})scale({size:g})" '
-        f'd="{MARKERS[style.marker]}"/>'
-    )
+    kind = style.fill
+    if style.marker == "cross":
+        kind = "stroke" if style.fill == "solid" else "stroke thin"
+    place = f"translate({x:.1f} {y:.1f})scale({size:g})"
+    shape = f'<path class="marker {kind}" transform="{place}" d="{MARKERS[style.marker]}"/>'
+    dot = f'<circle class="dot" cx="{x:.1f}" cy="{y:.1f}" r="1.3"/>' if style.fill == "dotted" else ""
+    return shape + dot
 
 
 def _marker(engine: str, point: tuple[float, float], tip: str) -> str:
@@ -238,14 +244,17 @@ def _labels(figure: Figure, frame: _Frame) -> list[str]:
     for place, (y, x, one) in zip(places, ends, strict=True):
         kind = f"eng-{slug(one.engine)}" if one.engine else "truth"
         at = frame.x.end + 14.0
-        text = one.label or one.engine.replace(":", " ") or "truth"
-        text = text if len(text) <= 17 else text[:16] + "…"
         hairline = f'<path class="leader" d="M{x + 5:.1f} {y:.1f}L{at - 5:.1f} {place:.1f}"/>'
         swatch = f'<path class="line" d="M{at - 2:.1f} {place:.1f}h10"/>'
         shape = marker_shape(one.engine, at + 3.0, place, 3.4) if one.engine else swatch
-        name = f'<text class="label" x="{at + 11:.1f}" y="{place + 3.6:.1f}">{escape(text)}</text>'
+        name = f'<text class="label" x="{at + 11:.1f}" y="{place + 3.6:.1f}">{escape(_label(one))}</text>'
         parts.append(f'<g class="{kind}">{hairline}{shape}{name}</g>')
     return parts
+
+
+def _label(one: Series) -> str:
+    text = one.label or one.engine.replace(":", " ") or "truth"
+    return text if len(text) <= 20 else text[:19] + "…"
 
 
 def spread(wanted: Sequence[float], apart: float, least: float, most: float) -> list[float]:

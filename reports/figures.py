@@ -40,7 +40,7 @@ class Series:
     Attributes
     ----------
     engine : str
-        Decides colour, marker and dash; "" is the truth, drawn as a broad grey line.
+        Decides colour, marker and dash; "" is the truth, drawn as a broad grey line below all others.
     x, y : sequences of float
         Infinite y are drawn on a rail at the upper edge; NaN interrupts the line.
     joined : bool

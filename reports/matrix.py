@@ -81,7 +81,7 @@ def matrix(campaign: Campaign) -> Matrix:
     table, order = chosen(campaign), engines(campaign)
     fragments = {id(c): name for c, name in zip(campaign.cells, anchor(campaign).values(), strict=True)}
     amount = Counter((c.scenario, c.engine) for c in campaign.cells)
-    notes: dict[str, int] = {}
+    notes: dict[str, list[str]] = {}
     rows = []
     for scenario in scenarios(campaign):
         cells = [table.get((scenario, e)) for e in order]
@@ -92,7 +92,7 @@ def matrix(campaign: Campaign) -> Matrix:
                 entries.append(None)
                 continue
             text = footnote(cell)
-            number = notes.setdefault(text, len(notes) + 1) if text else None
+            number = _numbered(notes, text, cell.engine)
             other = cell.worst.quantity if cell.worst and decisive and cell.worst.quantity != decisive.quantity else ""
             others = amount[scenario, cell.engine] - 1
             entries.append(
@@ -100,16 +100,25 @@ def matrix(campaign: Campaign) -> Matrix:
             )
         checks = description(campaign, scenario)["checks"]
         rows.append(Row(scenario, _decides(decisive, checks), max(len(checks) - 1, 0), tuple(entries)))
-    return Matrix(tuple(order), tuple(rows), tuple(notes))
+    footnotes = (f"{', '.join(names)}: {text}" for text, names in notes.items())
+    return Matrix(tuple(order), tuple(rows), tuple(footnotes))
+
+
+def _numbered(notes: dict[str, list[str]], text: str, engine: str) -> int | None:
+    """Number of the footnote `text`, entered on first sight; engines that share it are listed in front of it."""
+    if not text:
+        return None
+    names = notes.setdefault(text, [])
+    if engine not in names:
+        names.append(engine)
+    return list(notes).index(text) + 1
 
 
 def footnote(cell: Cell) -> str:
     """What must be said of the cell besides its verdict: why it has none, what is on record, what is approximated."""
     if cell.state in ABSENT or cell.state in BROKEN:
-        return f"{cell.engine}: {sentence(cell)}"
-    if cell.known:
-        return f"{cell.engine}, on record: {cell.known}"
-    return f"{cell.engine}: {' '.join(cell.notes)}" if cell.notes else ""
+        return sentence(cell)
+    return f"on record: {cell.known}" if cell.known else "; ".join(cell.notes)
 
 
 def _ratio(cell: Cell) -> str:

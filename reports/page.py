@@ -26,6 +26,7 @@ from reports.verdict import (
     anchor,
     description,
     engines,
+    first_of_family,
     mark,
     ratio,
     ratio_text,
@@ -80,8 +81,8 @@ def page(
     shown = matrix(campaign)
     standing = groups(campaign)
     views = {e: _engine(campaign, e) for e in engines(campaign)}
-    fair = sum(not v.profile for v in views.values())
     costed = cost_figures(campaign)
+    leading = first_of_family(campaign, [f.title for f in costed])
     return _template().render(
         campaign=campaign,
         title=campaign.title or campaign.id,
@@ -89,12 +90,13 @@ def page(
         script=script,
         style=style,
         engines=views,
-        spans=[(title, n) for title, n in (("Fair profile", fair), ("Other profiles", len(views) - fair)) if n],
+        spans=[(g.title, len(g.cards)) for g in standing],
         width=300 + 132 * len(views),  # below this [px] the matrix scrolls in a box of its own
         groups=[(g, spoken(lead_sentence(g, len(shown.rows)), views)) for g in standing],
         matrix=shown,
         legend=LEGEND,
-        costs=[(f.title, svg(f)) for f in costed],
+        costs=[(f.title, svg(f)) for f in costed if f.title in leading],
+        variants=[(f.title, svg(f)) for f in costed if f.title not in leading],
         uncosted=_uncosted(campaign),
         balance=balance(campaign, asked or {}),
         series=[(c.scenario, [(f.title, svg(f, 560.0, 230.0)) for f in c.figures], c.remark) for c in curves],
@@ -202,7 +204,7 @@ def _details(cell: Cell) -> tuple[tuple[str, str], ...]:
         "Build": build,
         "Repeats itself": "bit for bit" if cell.deterministic else "no: the cost is the least CPU time of the repeats",
         "Impacts": "" if cell.impacts < 0 else f"{cell.impacts} reported by the engine",
-        "Notes": " ".join(cell.notes),
+        "Notes": "; ".join(cell.notes),
         "On record": cell.known,
         "Audit": settings_text(cell.audit),
         "Final state": cell.digest,

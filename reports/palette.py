@@ -1,7 +1,7 @@
 """Colours, markers and dashes: the one place where an engine gets its looks, for ever.
 
 An engine's colour depends on its name only, never on its place in a list.  Profiles share the hue
-of their engine and differ by a hollow marker and a finer dash.  Verdict tints are a separate system:
+of their engine and differ by the filling of the marker and by the dash.  Verdict tints are a separate system:
 they never use an engine's hue, and no verdict is told by colour alone.
 """
 
@@ -65,6 +65,8 @@ HOUSE = {
 GUEST_MARKERS = ("diamond", "triangle-down", "pentagon", "star", "hexagon")
 GUEST_DASHES = ("9 3 2 3", "5 2", "1 2", "9 2 2 2 2 2", "12 4")
 
+DASHES = {"solid": "", "hollow": "4 2", "dotted": "8 2 2 2"}  # of profiles; a fair profile has its engine's
+
 # outlines about the origin, within the circle of radius 1
 MARKERS = {
     "cross": "M-.9-.9.9.9M-.9.9.9-.9",
@@ -89,8 +91,9 @@ class Look:
         Colour "#rrggbb" on the light and the dark page.
     marker : str
         A key of `MARKERS`.
-    hollow : bool
-        Whether the marker is an outline: every profile other than the fair one.
+    fill : str
+        How the marker is filled: "solid" for the fair profile, "hollow" for stock, "dotted" (an outline with a
+        point in it) for every other profile.
     dash : str
         SVG stroke-dasharray; "" is solid.
     """
@@ -98,7 +101,7 @@ class Look:
     light: str
     dark: str
     marker: str
-    hollow: bool
+    fill: str
     dash: str
 
 
@@ -125,7 +128,8 @@ def look(engine: str) -> Look:
     """Looks of an engine, a function of its name only."""
     name, variant = base(engine), profile(engine)
     light, dark, marker, dash = HOUSE.get(name) or _guest(name)
-    return Look(light, dark, marker, bool(variant), "3 2" if variant and not dash else dash)
+    fill = {"": "solid", "stock": "hollow"}.get(variant, "dotted")
+    return Look(light, dark, marker, fill, DASHES[fill] or dash)
 
 
 def _guest(name: str) -> tuple[str, str, str, str]:

@@ -18,7 +18,8 @@ from comparisons.cell import Campaign, Cell
 from mechanics.effects import Restitution
 from mechanics.trajectory import Trajectory
 from reports.figures import Axis, Figure, Series
-from reports.verdict import RED, chosen, engines, scenarios
+from reports.palette import profile
+from reports.verdict import RED, chosen, engines, first_of_family, scenarios
 
 if TYPE_CHECKING:
     from adapters.run import Run
@@ -53,7 +54,8 @@ def time_series(
     known : mapping
         Label -> Scenario: without one a scenario has neither energy nor truth.
     most : int
-        Scenarios to show at most; those with a red cell come first.
+        Scenarios to show at most: the first of each family before variants, and among equals those in which a
+        fair profile has a red cell.
 
     Returns
     -------
@@ -61,8 +63,9 @@ def time_series(
     """
     table = {place: cell for place, cell in chosen(campaign).items() if cell.key in traces}
     labels = [s for s in scenarios(campaign) if any(place[0] == s for place in table)]
-    red = {s for (s, _), cell in table.items() if cell.state in RED}
-    kept = set(sorted(labels, key=lambda s: s not in red)[:most])
+    red = {s for (s, engine), cell in table.items() if cell.state in RED and not profile(engine)}
+    leading = first_of_family(campaign, labels)
+    kept = set(sorted(labels, key=lambda s: (s not in leading, s not in red))[:most])
     shown = []
     for label in labels:
         cells = [table[label, e] for e in engines(campaign) if (label, e) in table]

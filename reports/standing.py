@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from comparisons.cell import Campaign, Cell
 from reports.numbers import count, listed, short
 from reports.palette import profile
-from reports.verdict import ABSENT, BROKEN, chosen, engines, judged, mark, right, scenarios, unjudged
+from reports.verdict import ABSENT, BROKEN, chosen, engines, imported, judged, mark, right, scenarios, unjudged
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def groups(campaign: Campaign) -> tuple[Group, ...]:
 
 def _group(campaign: Campaign, title: str, names: list[str]) -> Group:
     table, labels = chosen(campaign), scenarios(campaign)
-    present = [n for n in names if any(c.engine == n and c.state not in ABSENT for c in campaign.cells)]
+    present = [n for n in names if any(c.engine == n and c.state not in ABSENT and imported(c) for c in campaign.cells)]
     common = [s for s in labels if present and all(_marked(table.get((s, n))) for n in present)]
     shared = [s for s in common if all(_right_with_cost(table[s, n]) for n in present)]
     costs = {n: _mean_cost([table[s, n] for s in shared]) for n in present}
@@ -95,7 +95,7 @@ def _group(campaign: Campaign, title: str, names: list[str]) -> Group:
     cards = []
     for name in names:
         cells = [table[s, name] for s in labels if (s, name) in table]
-        tally = Counter(mark(c).word for c in cells)
+        tally = Counter(mark(c).word for c in sorted(cells, key=_place))
         cost = costs.get(name, math.nan)
         cards.append(Card(
             engine=name, version=next((c.engine_version for c in cells if c.engine_version), ""),
@@ -108,9 +108,19 @@ def _group(campaign: Campaign, title: str, names: list[str]) -> Group:
 
 def _marked(cell: Cell | None) -> bool:
     """Whether the cell counts: it was judged or the engine broke trying; open questions do not count."""
-    if cell is None or cell.state in ABSENT or unjudged(cell):
+    if cell is None or cell.state in ABSENT or unjudged(cell) or not imported(cell):
         return False
     return cell.state in BROKEN or judged(cell)
+
+
+def _place(cell: Cell) -> int:
+    """Place in the order from right over open and wrong to broken and absent."""
+    sign = mark(cell)
+    if sign.tone == "pass":
+        return 0 if sign.word == "exact" else 1
+    if not judged(cell) and cell.state == "ok":
+        return 2
+    return {"known": 3, "fail": 4, "broke": 5}.get(sign.tone, 6)
 
 
 def _right_with_cost(cell: Cell) -> bool:

@@ -76,6 +76,11 @@ def mark(cell: Cell) -> Mark:
     return Mark("✓", "exact" if cell.exact else "ok", "pass")
 
 
+def imported(cell: Cell) -> bool:
+    """Whether the engine could be loaded at all; one that could not was not put to the question."""
+    return not (cell.state == "error" and cell.stage == "import")
+
+
 def judged(cell: Cell) -> bool:
     """Whether anything was demanded of the cell."""
     return cell.worst is not None
@@ -107,9 +112,8 @@ def ratio_text(cell: Cell) -> str:
 
 def times_tolerance(share: float) -> str:
     """ "0.42× tol"; far below the tolerance only the order of magnitude matters: "2×10⁻¹² tol"."""
-    if 0.0 < share < 1e-4:
-        return f"{short(share, 1)} tol"
-    return f"{short(share)}× tol"
+    text = short(share, 1 if 0.0 < share < 1e-3 else 3)
+    return f"{text} tol" if "×" in text else f"{text}× tol"
 
 
 def sentence(cell: Cell) -> str:
@@ -179,6 +183,15 @@ def engines(campaign: Campaign) -> list[str]:
 def scenarios(campaign: Campaign) -> list[str]:
     """Labels of the scenarios in the order they were run; labels that only the description knows are left out."""
     return list(dict.fromkeys(c.scenario for c in campaign.cells))
+
+
+def first_of_family(campaign: Campaign, labels: Iterable[str]) -> set[str]:
+    """Those of `labels` that are the first of their family."""
+    family = {c.scenario: c.family for c in campaign.cells}
+    first: dict[str, str] = {}
+    for label in labels:
+        first.setdefault(family.get(label, label), label)
+    return set(first.values())
 
 
 def chosen(campaign: Campaign) -> dict[tuple[str, str], Cell]:

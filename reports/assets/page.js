@@ -78,7 +78,7 @@
 
   let opened = [];
   addEventListener("beforeprint", () => {
-    opened = all("#method details:not([open])");
+    opened = all("#method details:not([open]), .fold:not([open])");
     opened.forEach((details) => { details.open = true; });
   });
   addEventListener("afterprint", () => opened.forEach((details) => { details.open = false; }));

@@ -62,8 +62,9 @@ def test_no_two_engines_of_the_house_share_marker_or_colour():
 def test_profiles_keep_the_hue_and_change_the_marker():
     fair, stock = look("mujoco"), look("mujoco:stock")
     assert (fair.light, fair.dark, fair.marker) == (stock.light, stock.dark, stock.marker)
-    assert fair.hollow != stock.hollow
-    assert fair.dash != stock.dash
+    other = look("mujoco:tuned")
+    assert len({fair.fill, stock.fill, other.fill}) == 3
+    assert len({fair.dash, stock.dash, other.dash}) == 3
 
 
 @given(names, names)
