@@ -20,7 +20,10 @@ Settings = Mapping[str, Knob]
 
 
 class Refusal(Exception):
-    """An engine's "I cannot", with the reason.  Raised by adapters; an outcome of a run, never an error of the house."""
+    """An engine's "I cannot", with the reason.
+
+    Raised by adapters; an outcome of a run, never an error of the house.
+    """
 
     def __init__(self, reason: str) -> None:
         self.reason = reason
@@ -74,7 +77,8 @@ class Engine(Protocol):
         What trades accuracy for time: name -> values, coarse to fine.  ``dt`` is a time step [s].
 
     Optional names, read through the functions below: `defaults`, `profile`, `settle`, `lead`, `events`,
-    `contacts`, `close`.
+    `contacts`, `close`.  `known` maps laws of `adapters.conformance` that the engine breaks to the
+    reason; `repeats` = False says that it does not repeat itself bit for bit.
     """
 
     name: str

@@ -118,7 +118,7 @@ class MuJoCo:
     @property
     def version(self) -> str:
         """Version of the installed MuJoCo; ImportError if there is none."""
-        return installed_version("mujoco-core", "mujoco")
+        return installed_version("mujoco", "mujoco-core")
 
     @cached_property
     def _mujoco(self) -> ModuleType:

@@ -21,20 +21,20 @@ from mechanics.scene import Scene
 TIME_STEPS = tuple(1.0 / (60 * 2**k) for k in range(9))  # 1/60 s halved down to 1/15360 s
 
 
-def installed_version(*distributions: str) -> str:
-    """Version of the first of the `distributions` that is installed.
+def installed_version(module: str, *distributions: str) -> str:
+    """Version of the installed distribution that brings `module`: of that name, or one of `distributions`.
 
     Raises
     ------
-    ImportError
-        If none is.
+    ModuleNotFoundError
+        If none is installed; its `name` is the module.
     """
-    for name in distributions:
+    for name in (module, *distributions):
         try:
             return distribution_version(name)
         except PackageNotFoundError:
             continue
-    raise ImportError(f"{distributions[0]} is not installed: pip install 'plumbline[engines]'")
+    raise ModuleNotFoundError(f"{module} is not installed", name=module)
 
 
 @contextmanager
