@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -60,6 +61,11 @@ def duration_text(seconds: float) -> str:
         return f"{short(seconds, 2)} s"
     minutes, rest = divmod(round(seconds), 60)
     return f"{minutes} min {rest} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
+
+
+def rounded(text: str) -> str:
+    """`text` with long decimal fractions cut to four significant digits, for reading: "0.30016513" -> "0.3002"."""
+    return re.sub(r"-?\d+\.\d{6,}(e[-+]?\d+)?", lambda found: f"{float(found[0]):.4g}", text)
 
 
 def count(number: int, noun: str) -> str:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from comparisons.cell import Campaign, Cell
 from comparisons.measurement import Measurement
-from reports.numbers import duration_text, settings_text, short, with_unit
+from reports.numbers import duration_text, rounded, settings_text, short, with_unit
 from reports.palette import HOUSE, base, profile
 
 BROKEN = ("diverged", "error", "crash", "timeout", "oom")
@@ -137,7 +137,7 @@ def sentence(cell: Cell) -> str:
         parts = ["on record as failing, but every demanded quantity is within its tolerance"]
     if cell.known:
         parts.append(f"on record: {cell.known}")
-    return "; ".join(parts)
+    return rounded("; ".join(parts))
 
 
 _DOING = {"import": "importing", "build": "building the scene", "start": "starting", "advance": "advancing",

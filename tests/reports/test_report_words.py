@@ -13,7 +13,7 @@ from rich.console import Console
 
 from reports.markdown import LIMIT, markdown
 from reports.matrix import matrix
-from reports.numbers import listed, short, unit_text, with_unit
+from reports.numbers import listed, rounded, short, unit_text, with_unit
 from reports.standing import groups, lead_sentence
 from reports.terminal import show
 from reports.verdict import (
@@ -47,6 +47,9 @@ def test_numbers_and_units_as_printed():
     assert unit_text("J2") == "J²"
     assert times_tolerance(0.42) == "0.42× tol"
     assert times_tolerance(2.4e-12) == "2×10⁻¹² tol"
+    assert (
+        rounded("q = (0.8004403633330706, -0.30016513624990143, 1.5), v7.3.1") == "q = (0.8004, -0.3002, 1.5), v7.3.1"
+    )
     assert listed(["a", "b", "c"]) == "a, b and c"
 
 
