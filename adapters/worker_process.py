@@ -7,7 +7,7 @@ import ctypes
 import fcntl
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -19,7 +19,7 @@ OUTPUT_LIMIT = 2**30  # bytes of any file a worker writes: an engine that prints
 
 
 def serve(target: str, name: str, memory: int, jobs_fd: int, answers_fd: int, scratch_fd: int, life_fd: int) -> None:
-    """Import the engine, answer "" (or why not), then answer each job with a `Run` (or a sentence)."""
+    """Import the engine, answer "" (or why not), then answer each job with what its task returns, or a sentence."""
     jobs, answers = Connection(jobs_fd, writable=False), Connection(answers_fd, readable=False)
     scratch = Scratch(os.fdopen(scratch_fd, "r+b", buffering=0))
     _end_with_parent(life_fd)
@@ -33,12 +33,19 @@ def serve(target: str, name: str, memory: int, jobs_fd: int, answers_fd: int, sc
     answers.send("")
     with contextlib.suppress(EOFError, BrokenPipeError):  # the parent has gone
         while True:
-            _answer(answers, engine, scratch, jobs.recv())
+            task, words = jobs.recv()
+            _answer(answers, TASKS[task], Watched(engine, scratch), words)
 
 
-def _answer(answers: Connection, engine: Any, scratch: Scratch, job: tuple[Any, ...]) -> None:
+def _check(watched: Watched) -> Any:
+    from adapters.conformance import check_engine
+
+    return check_engine(watched.engine)
+
+
+def _answer(answers: Connection, task: Callable[..., Any], watched: Watched, words: tuple[Any, ...]) -> None:
     try:
-        answer: Any = run(Watched(engine, scratch), *job)
+        answer = task(watched, *words)
     except (Exception, SystemExit) as error:
         answer = f"{type(error).__name__}: {error}"
     _flush()
@@ -57,30 +64,33 @@ class Watched:
     """
 
     def __init__(self, engine: Any, scratch: Scratch) -> None:
-        self._engine, self._scratch = engine, scratch
+        self.engine, self._scratch = engine, scratch
         self.advance = engine.advance
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self._engine, name)
+        return getattr(self.engine, name)
 
     def vacuum(self, scene: Any) -> Any:
         """As the engine; a repeat begins."""
         self._scratch.clear("build")
-        return self._engine.vacuum(scene)
+        return self.engine.vacuum(scene)
 
     def start(self, draft: Any, knobs: Mapping[str, Any]) -> Any:
         """As the engine."""
         self._scratch.enter("start")
-        world = self._engine.start(draft, knobs)
+        world = self.engine.start(draft, knobs)
         self._scratch.enter("read")
         return world
 
     def read(self, world: Any) -> Any:
         """As the engine; what follows is `advance`."""
-        state = self._engine.read(world)
+        state = self.engine.read(world)
         self._scratch.add(state)
         self._scratch.enter("advance")
         return state
+
+
+TASKS: dict[str, Callable[..., Any]] = {"run": run, "check": _check}
 
 
 def _end_with_parent(life_fd: int) -> None:

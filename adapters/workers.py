@@ -26,13 +26,16 @@ import threading
 from collections.abc import Sequence
 from dataclasses import replace
 from multiprocessing.connection import Connection
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from adapters import registry
 from adapters.engine import Settings, checked_settings, lead, settled
 from adapters.run import Failure, Run, checked_times
 from adapters.scratch import Scratch
 from mechanics.scene import Scene
+
+if TYPE_CHECKING:
+    from adapters.conformance import Law
 
 MEMORY = 8 * 2**30  # address space of a worker [bytes]; compilers and BLAS reserve far more than they use
 TIMEOUT = 60.0  # of a cell [s]
@@ -82,6 +85,16 @@ class Workers:
             If there is no such engine here.
         """
         return self._worker(engine).run(scene, times, settings, repeats, timeout)
+
+    def check(self, engine: str, timeout: float = TIMEOUT) -> tuple[Law, ...] | Failure:
+        """As `adapters.conformance.check_engine`, in the engine's own process; a Failure if it did not survive.
+
+        Raises
+        ------
+        Unavailable, UnknownName
+            If there is no such engine here.
+        """
+        return self._worker(engine).check(timeout)
 
     def _worker(self, engine: str) -> Worker:
         with self._lock:
@@ -141,11 +154,8 @@ class Worker:
             lead=lead(self._engine, settled(self._engine, chosen, scene)),
         )
         with self._busy:
-            self._scratch.clear()
-            self._log.truncate(0)
             try:
-                self._start()
-                answer = self._ask((scene, sampled, chosen, repeats), timeout)
+                answer = self._do("run", (scene, sampled, chosen, repeats), timeout)
                 if not isinstance(answer, Run):
                     raise _Broken("error", answer)
             except _Broken as broken:
@@ -154,6 +164,17 @@ class Worker:
             if isinstance(answer.outcome, Failure) and answer.outcome.state == "oom":
                 self._end()  # what a failed allocation left half done is not the next cell's concern
             return answer
+
+    def check(self, timeout: float) -> tuple[Law, ...] | Failure:
+        """Try the laws of adapters; see `Workers.check`."""
+        with self._busy:
+            try:
+                answer = self._do("check", (), timeout)
+                if not isinstance(answer, tuple):
+                    raise _Broken("error", answer)
+                return answer
+            except _Broken as broken:
+                return Failure(broken.state, self._scratch.stage, 0.0, f"{broken.reason}\n{self._said()}".strip())
 
     def close(self) -> None:
         """End the process, in the middle of a run if need be; that run ends as a crash."""
@@ -194,10 +215,14 @@ class Worker:
             raise _Broken("error", problem)
         self._log.truncate(0)  # what is printed on import belongs to no cell
 
-    def _ask(self, job: Any, timeout: float) -> Any:
+    def _do(self, task: str, words: tuple[Any, ...], timeout: float) -> Any:
+        """What the process answers to a job; _Broken if it does not."""
+        self._scratch.clear()
+        self._log.truncate(0)
+        self._start()
         assert self._jobs is not None
         try:
-            self._jobs.send(job)
+            self._jobs.send((task, words))
         except BrokenPipeError:
             raise self._death() from None
         return self._receive(timeout)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 import click
+from click.utils import PacifyFlushWrapper
 
 from plumbline.cli_run import run
 from plumbline.command import as_json, harness, plug_in, register, usage
@@ -39,9 +39,12 @@ def main(args: Sequence[str] | None = None) -> int:
     except (click.Abort, KeyboardInterrupt):
         click.echo("interrupted", err=True)
         return 130
-    except BrokenPipeError:  # the reader of our output has gone, `plumbline list | head`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-        return 0
+    except SystemExit as stop:
+        if isinstance(
+            sys.stdout, PacifyFlushWrapper
+        ):  # the reader of our output has gone, as in `plumbline list | head`
+            return 0
+        return int(stop.code or 0)
 
 
 @click.group(epilog=CODES, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})

@@ -12,6 +12,7 @@ import click
 from plumbline.command import as_json, harness, plug_in, register, usage
 
 if TYPE_CHECKING:
+    from comparisons.published import Figure
     from plumbline.plan import Job
     from scenarios.scenario import Scenario
 
@@ -80,7 +81,7 @@ def states(_: click.Context, parameter: click.Parameter, text: str | None) -> tu
 @click.option("-j", "--jobs", type=click.IntRange(1), default=2, show_default=True, help="Engines at the same time.")
 @click.option("--repeats", type=click.IntRange(1), default=1, show_default=True, help="Timed repeats of each cell.")
 @click.option(
-    "--timeout", callback=seconds, default="60s", show_default=True, help="Of a cell; then its engine is killed."
+    "--timeout", callback=seconds, help="Of a cell; then its engine is killed.  [default: 60s; published figures: 10m]"
 )
 @click.option("--budget", callback=seconds, help="Of the run; what has not begun by then is not run.")
 @click.option(
@@ -126,23 +127,22 @@ def run(**asked: Any) -> int:
     """  # fmt: skip
     register(asked["plugins"])
     if asked["what"] == "published":
-        from plumbline import figures
-
         with usage():
-            return figures.show(asked["steps"], asked["json_"])
-    if asked["steps"]:
+            figures, jobs = planned_figures(asked)
+    elif asked["steps"]:
         raise click.UsageError("--dt is for `plumbline run published`; for engines use --set dt=VALUE")
-    scenarios, jobs = planned(asked)
+    else:
+        figures, jobs = None, planned(asked)
     if not jobs:
         click.echo("nothing is selected: no scenario has all that is asked for", err=True)
         return 5
     if asked["dry_run"]:
         return show_plan(jobs, asked["json_"])
-    return carry_out(scenarios, jobs, asked)
+    return carry_out(jobs, asked, figures)
 
 
-def planned(asked: dict[str, Any]) -> tuple[tuple[Scenario, ...], tuple[Job, ...]]:
-    """Scenarios and jobs of what the command line asks for."""
+def planned(asked: dict[str, Any]) -> tuple[Job, ...]:
+    """Jobs of what the command line asks for."""
     with usage():
         from adapters import registry
         from plumbline import own_files
@@ -156,7 +156,18 @@ def planned(asked: dict[str, Any]) -> tuple[tuple[Scenario, ...], tuple[Job, ...
         elif asked["duration"] or asked["sampling"]:
             raise ValueError("--duration and --sampling are for scenes in TOML; a scenario says its own")
         scenarios = choose(what, asked["selectors"], asked["tags"], asked["duration"], asked["sampling"])
-        return scenarios, plan(scenarios, registry.select(asked["engines"]), read_settings(asked["settings"]), own)
+        return plan(scenarios, registry.select(asked["engines"]), read_settings(asked["settings"]), own)
+
+
+def planned_figures(asked: dict[str, Any]) -> tuple[tuple[Figure, ...], tuple[Job, ...]]:
+    """Published figures that are asked for, and the jobs that answer them."""
+    from plumbline import published
+
+    for name in ("settings", "tags", "duration", "sampling"):
+        if asked[name]:
+            raise ValueError("published figures have settings of their own; choose with -e, -s and --dt")
+    figures = published.chosen(asked["steps"], asked["engines"], asked["selectors"])
+    return figures, tuple({job.key: job for job in published.jobs(figures)}.values())
 
 
 def own_file_words(asked: dict[str, Any]) -> str:
@@ -167,20 +178,22 @@ def own_file_words(asked: dict[str, Any]) -> str:
     return shlex.join(words)
 
 
-def carry_out(scenarios: tuple[Scenario, ...], jobs: tuple[Job, ...], asked: dict[str, Any]) -> int:
+def carry_out(jobs: tuple[Job, ...], asked: dict[str, Any], figures: tuple[Figure, ...] | None) -> int:
     """Run the jobs with a progress display, then show and write the report."""
     from dataclasses import replace
 
     from rich.console import Console
 
     from plumbline import finish
-    from plumbline.campaign import Execution, Options
+    from plumbline.campaign import TIMEOUT, Execution, Options
     from plumbline.progress import progress
     from plumbline.run_folder import new_id
 
     console = Console(stderr=True)
+    scenarios = tuple({job.scenario.name: job.scenario for job in jobs}.values())
     say_overlaps(scenarios)
-    options = Options(asked["jobs"], asked["repeats"], asked["timeout"], asked["budget"],
+    timeout = asked["timeout"] or (TIMEOUT if figures is None else 10 * TIMEOUT)
+    options = Options(asked["jobs"], asked["repeats"], timeout, asked["budget"],
                       round(asked["memory"] * 2**30), asked["rerun"] or "none")  # fmt: skip
     folder = Path(asked["out"]) if asked["out"] else Path("runs") / new_id()
     outputs = finish.Outputs(asked["junit"], asked["summary"])
@@ -193,7 +206,7 @@ def carry_out(scenarios: tuple[Scenario, ...], jobs: tuple[Job, ...], asked: dic
             click.echo(f"interrupted; what is finished is kept, `--out {folder}` goes on from there", err=True)
             raise
     with harness():
-        return finish.finish(results, outputs, asked["json_"], asked["fail_on"])
+        return finish.finish(results, outputs, asked["json_"], asked["fail_on"], figures)
 
 
 def say_overlaps(scenarios: tuple[Scenario, ...]) -> None:

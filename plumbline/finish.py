@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import click
+from rich.console import Console
 
 from comparisons.cell import cell_to_json
+from comparisons.published import Figure
+from plumbline import published
 from plumbline.results import FAIL_ON, SENTENCES, Results
 from plumbline.run_folder import FolderError
+
+WIDE = 180  # columns
 
 
 @dataclass(frozen=True)
@@ -62,25 +69,42 @@ class Outputs:
             raise FolderError(f"cannot write {error.filename}: {error.strerror}") from error
 
 
-def finish(results: Results, outputs: Outputs, json_: bool, fail_on: tuple[str, ...] | None = None) -> int:
-    """Print the verdicts, write the report and its copies, and return the exit code."""
+def finish(
+    results: Results,
+    outputs: Outputs,
+    json_: bool,
+    fail_on: tuple[str, ...] | None = None,
+    figures: Sequence[Figure] | None = None,
+) -> int:
+    """Print the verdicts (or the published figures), write the report and its copies, and return the exit code."""
+    found = published.rows(figures, results) if figures is not None else None
     code = results.exit_code(FAIL_ON if fail_on is None else fail_on)
+    if found is not None:
+        code = published.exit_code(found, results)
     paths = results.report(outputs.folder)
     outputs.copy(paths)
     if json_:
-        click.echo(json.dumps(as_json(results, paths, code), indent=1))
+        told = as_json(results, paths, code)
+        click.echo(json.dumps(told if found is None else told | {"figures": found}, indent=1))
         return code
-    from rich.console import Console
+    console = wide_console()
+    if found is None:
+        from reports.terminal import show
 
-    from reports.terminal import show
-
-    console = Console()
-    show(results.campaign, console)
+        show(results.campaign, console)
+    else:
+        published.show(found, console)
     say_commands(results)
     if results.campaign.cells and code:
         click.echo(f"exit code {code}: {SENTENCES[code]}")
     click.echo(f"report: {paths['index.html']}")
     return code
+
+
+def wide_console() -> Console:
+    """Console on stdout; where nobody says how wide it is (a log, a file), wide enough for eight engines."""
+    console = Console()
+    return console if console.is_terminal or "COLUMNS" in os.environ else Console(width=WIDE)
 
 
 def say_commands(results: Results, most: int = 5) -> None:

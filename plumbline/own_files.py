@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import sys
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -73,11 +74,13 @@ def scenarios_of(
         return (scene_scenario(load_scene(path), path.stem, duration, sampling),)
     if duration is not None or sampling is not None:
         raise BadFile(f"{path}: --duration and --sampling are for scenes in TOML; a scenario in Python says its own")
-    with _own_families() as found:
-        _import(path)
-    if not found:
+    with _blaming(path):
+        with _own_families() as found:
+            _import(path.resolve())
+        chosen = tuple(s for family in found.values() for s in family.all())
+    if not chosen:
         raise BadFile(f"{path} holds no scenario: decorate a function that returns a Scenario with @scenario(tags=...)")
-    return tuple(s for family in found.values() for s in family.all())
+    return chosen
 
 
 @contextmanager
@@ -102,18 +105,16 @@ def _import(path: Path) -> None:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
+    spec.loader.exec_module(module)
+
+
+@contextmanager
+def _blaming(path: Path) -> Iterator[None]:
+    """Whatever a user's code raises names its file and the line."""
     try:
-        spec.loader.exec_module(module)
+        yield
     except (Exception, SystemExit) as error:
-        frames = _frames_in(error, path)
-        where = f", line {frames[-1]}" if frames else ""
+        lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__)
+                 if frame.filename == str(path.resolve())]  # fmt: skip
+        where = f", line {lines[-1]}" if lines else ""
         raise BadFile(f"{path}{where}: {type(error).__name__}: {error}") from error
-
-
-def _frames_in(error: BaseException, path: Path) -> list[int]:
-    lines, trace = [], error.__traceback__
-    while trace is not None:
-        if trace.tb_frame.f_code.co_filename == str(path):
-            lines.append(trace.tb_lineno)
-        trace = trace.tb_next
-    return lines

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -97,7 +98,9 @@ def _find_in_suite(pool: Sequence[Scenario], selector: str) -> tuple[Scenario, .
 
 def _find_own(pool: Sequence[Scenario], selector: str) -> tuple[Scenario, ...]:
     bare = "[" not in selector
-    found = tuple(s for s in pool if s.name == selector or (bare and fnmatchcase(s.family, selector)))
+    found = tuple(
+        s for s in pool if s.name == selector.removesuffix("[]") or (bare and fnmatchcase(s.family, selector))
+    )
     if not found:
         raise catalogue.unknown("scenario", selector, [s.name for s in pool])
     return found
@@ -130,12 +133,17 @@ def read_settings(items: Iterable[str]) -> dict[str, list[Knob]]:
         name, sign, text = item.partition("=")
         if not (sign and name.strip() and text.strip()):
             raise ValueError(f"{item!r} is not of the form knob=value or engine.knob=value")
-        try:
-            value: Knob = float(text)
-        except ValueError:
-            value = text.strip()
-        settings.setdefault(name.strip(), []).append(value)
+        settings.setdefault(name.strip(), []).append(_knob(text.strip()))
     return settings
+
+
+def _knob(text: str) -> Knob:
+    """A number, or a word: what is not finite is a word, because no knob has such a value."""
+    try:
+        value = float(text)
+    except ValueError:
+        return text
+    return value if math.isfinite(value) else text
 
 
 def settings_of(engine: Engine, settings: Settings) -> tuple[dict[str, Knob], ...]:
@@ -213,7 +221,8 @@ def reproduce(scenario: Scenario, engine: str, settings: Mapping[str, Knob], own
     """The command that runs this cell alone; "" for a scenario that only a caller in Python has."""
     if not own_file and scenario.family not in catalogue.families():
         return ""
-    words = ["plumbline", "run", *shlex.split(own_file), "-e", engine, "-s", scenario.name]
+    label = scenario.name if "[" in scenario.name else f"{scenario.name}[]"  # without brackets: every variant
+    words = ["plumbline", "run", *shlex.split(own_file), "-e", engine, "-s", label]
     for name, value in settings.items():
         words += ["--set", f"{name}={value!r}" if isinstance(value, float) else f"{name}={value}"]
     return shlex.join(words)
