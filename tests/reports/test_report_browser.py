@@ -99,7 +99,7 @@ def test_engine_switch_acts_everywhere(visit):
     assert page.locator(".eng-pybullet-stock:visible").count() == shown
 
 
-@pytest.mark.parametrize("width", [360, 390, 768, 1024, 1280, 1920])
+@pytest.mark.parametrize("width", [390, 768, 1280])
 def test_the_page_never_scrolls_sideways(visit, width):
     page = visit(viewport={"width": width, "height": 844})
     page.evaluate("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
