@@ -10,10 +10,10 @@ from mechanics.effects import Gravity, Restitution, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
 from mechanics.trajectory import Trajectory
-from scenarios.bouncing_ball import bounce, bounce_checks, impact_times
+from scenarios.bouncing_ball import bounce, bounce_checks, delay, impact_times
 from scenarios.motion import Motion, trajectory, vectors
 from scenarios.scenario import Scenario, scenario
-from scenarios.tolerance import GRAVITY, STEP, converged
+from scenarios.tolerance import GRAVITY, converged
 
 SIZE = (1.0, 0.5, 0.5)  # [m]
 CLEARANCE = 0.2  # [m]
@@ -52,5 +52,5 @@ def flat_drop(e: float = 0.5) -> Scenario:
         source="mirror symmetry and Newton's law; Smith et al., Reflections on simultaneous impact, SIGGRAPH 2012",
         about=(Gravity, Restitution, Rotation),
         events=(first,),
-        guard=2.0 * (1.0 + 2.0 * e) * STEP,
+        guard=2.0 * delay(e),
     )
