@@ -61,8 +61,8 @@ def judge(scenario: Scenario, run: Run) -> Judgement:
     """Measure a run and compare it with what the scenario demands.
 
     A run that broke is measured as far as it got, and nothing is demanded of it.  A demanded quantity
-    that cannot be computed makes the state "error" at the stage "judge": a fault of the house, never
-    charged to the engine.
+    that cannot be computed, where none fails by measurement, makes the state "error" at the stage
+    "judge": a fault of the house, never charged to the engine.
     """
     motion, broken = _sound(run)
     if isinstance(run.outcome, Refusal):
@@ -210,11 +210,13 @@ def _missing(check: Check) -> Measurement:
 
 
 def _verdict(rows: list[Measurement]) -> tuple[str, str, str]:
-    unmeasured = [row for row in rows if row.verdict == "unmeasured"]
-    if unmeasured:
-        return "error", "judge", "; ".join(f"{row.quantity} could not be measured: {row.text}" for row in unmeasured)
-    failed = [row for row in rows if row.verdict == "fail"]
-    if failed:
-        said = (f"{row.quantity} {row.value:.3g} {row.unit} exceeds {row.tolerance:.3g}" for row in failed)
-        return "fail", "judge", "; ".join(said)
+    """State, stage and reason.  What failed by measurement has failed, whatever else could not be measured."""
+    failed = [
+        f"{row.quantity} {row.value:.3g} {row.unit} exceeds {row.tolerance:.3g}"
+        for row in rows
+        if row.verdict == "fail"
+    ]
+    unmeasured = [f"{row.quantity} could not be measured: {row.text}" for row in rows if row.verdict == "unmeasured"]
+    if failed or unmeasured:
+        return "fail" if failed else "error", "judge", "; ".join(failed + unmeasured)
     return "ok", "", ""

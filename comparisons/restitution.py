@@ -44,6 +44,8 @@ QUANTITIES = {
     "impacts seen": ("1", "number of impacts whose coefficient could be measured"),
 }
 
+UNSEEN = 1e-3  # a hop that is too short to be seen falsifies e by e at most: below this it does not matter
+
 
 @dataclass(frozen=True)
 class Impacts:
@@ -226,9 +228,11 @@ def _measured(pair: _Pair, pairs: list[_Pair], close: list[tuple[int, int]], ste
     gain = normal @ pair.acceleration
     speed = -(before + gain * s)
     interval = t[first + 1] - t[first]
-    limit = np.abs(gain) * np.maximum(20.0 * step, interval * max(4.0, 1.5 / asked if asked else 0.0))
+    limit = np.abs(gain) * np.maximum(20.0 * step, interval * max(4.0, 1.5 / asked if asked > UNSEEN else 0.0))
     deepest = np.array([-pair.gap[i : j + 1].min() for i, j in zip(first, last, strict=True)])
-    slack = 2.0 * step * np.abs(speed) + np.maximum(deepest, 0.0) + 1e-6 * (np.linalg.norm(r, axis=1) + np.abs(gap))
+    slack = (
+        2.0 * step * np.abs(speed) + 2.0 * np.maximum(deepest, 0.0) + 1e-6 * (np.linalg.norm(r, axis=1) + np.abs(gap))
+    )
     good = inside & (speed > 0.0) & (np.abs(gap) <= slack) & _alone(pair, pairs, close, first, last, normal)
     good &= _unturned(pair, first, last, speed, normal) & (last < len(t) - 1)
     e = (after - gain * free * (span - s)) / np.where(speed > 0.0, speed, 1.0)
