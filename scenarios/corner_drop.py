@@ -65,7 +65,9 @@ def corner_drop(e: float = 0.5) -> Scenario:
             first_order("position error", jump * STEP, "m", "|Δv| h: the corner is seen up to one step late"),
             converged("velocity error", SPEED, "the approach speed in m/s"),
             first_order("orientation error", turn * STEP, "rad", "|Δω| h: the corner is seen up to one step late"),
-            first_order("angular velocity error", gyration, "rad/s", "a step late in free rotation, and its own error"),
+            first_order(
+                "angular velocity error", gyration, "rad/s", "ω² h (1 + ω t/2): a step late, and Euler's own error"
+            ),
         ),
         source="j = -(1 + e) u / (1/m + n·(I⁻¹(r × n)) × r); Baraff, SIGGRAPH course notes (1997), §8",
         about=(Restitution, Rotation),

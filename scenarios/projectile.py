@@ -7,7 +7,7 @@ import math
 from mechanics.effects import Gravity
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Sphere
-from scenarios.free_fall import SOURCE, parabola
+from scenarios.free_fall import parabola
 from scenarios.scenario import Scenario, scenario
 from scenarios.tolerance import GRAVITY, STEP, first_order, rounding
 
@@ -33,6 +33,6 @@ def projectile(speed: float = 25.0, angle: float = 40.0, height: float = 3.0) ->
             rounding("velocity error", "every consistent scheme is exact for constant acceleration", exact=1e-11),
             rounding("energy error, synchronised", "with x and v at one time level no scheme errs on a parabola"),
         ),
-        source=SOURCE,
+        source="z = h + v t sin α - g t²/2; Goldstein, Poole and Safko, Classical Mechanics, 3rd ed., ch. 1",
         about=(Gravity,),
     )
