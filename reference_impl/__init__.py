@@ -1,0 +1,1 @@
+"""The Baraff-style reference engine: exact flight, contacts as events, resting contact as complementarity."""

@@ -1,0 +1,1 @@
+"""Geometry only: which features of two bodies touch, and how the gap between two features changes."""

@@ -1,0 +1,1 @@
+"""How each effect acts: one file per law."""

@@ -1,0 +1,41 @@
+"""Effects to parts: one table, effect type to function, both implements and declares what the engine can do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from mechanics.effects import Drag, Effect, Force, Friction, Gravity, Resting, Restitution, Rotation
+from mechanics.scene import Scene
+from reference_impl.effects import drag, force, friction, gravity, rotation
+from reference_impl.errors import Unsupported
+from reference_impl.parts import Law, Parts
+
+Table = Mapping[type[Effect], Callable[[Scene, Any], Parts]]
+
+IMPULSES: Table = {
+    Gravity: gravity.parts,
+    Rotation: rotation.parts,
+    Drag: drag.parts,
+    Force: force.parts,
+    Restitution: lambda scene, effect: Parts(law=Law(touching=True, restitution=effect)),
+    Friction: friction.parts,
+    Resting: lambda scene, effect: Parts(law=Law(touching=True, resting=True)),
+}
+
+
+def assemble(scene: Scene, table: Table = IMPULSES) -> Parts:
+    """The sum of the parts of all effects of the scene.
+
+    Raises
+    ------
+    Unsupported
+        For an effect that the table does not list or cannot do with these values.
+    """
+    total = Parts()
+    for effect in scene.effects:
+        if type(effect) not in table:
+            known = ", ".join(sorted(kind.__name__ for kind in table))
+            raise Unsupported(f"{type(effect).__name__}: not among {known}")
+        total = total + table[type(effect)](scene, effect)
+    return total

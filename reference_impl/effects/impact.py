@@ -1,0 +1,153 @@
+"""Impulses at colliding contacts.
+
+Bodies a and b touch.  The unit normal n points from b to a, so they approach when the normal relative
+velocity u = n·(v_a - v_b) of the touching points is negative.  An impulse p >= 0 acts along n on a and
+against n on b.
+
+One contact obeys Newton's law u⁺ = -e u⁻.  Where several touch at the same instant, rigid-body
+mechanics alone does not decide; each `LAWS` entry is one answer, by name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from reference_impl.contact_problem import solve
+
+PASSES = 60  # of simultaneous impulses at one instant, before what still approaches stops dead
+
+
+def normal_impulse(u: float, mobility: float, restitution: float) -> float:
+    """Magnitude of the frictionless impulse that makes two bodies bounce [N s].
+
+    Newton's law u⁺ = -e u⁻ and the linear response u⁺ = u⁻ + p K give
+
+        p = -(1 + e) u⁻ / K,    K = 1/m_a + 1/m_b + (r_a × n)·I_a⁻¹(r_a × n) + (r_b × n)·I_b⁻¹(r_b × n),
+
+    with the arms r from the centres of mass to the contact.  Separating bodies get no impulse.
+    Baraff, Rigid Body Simulation II, SIGGRAPH course notes (1997), section 8.
+
+    Parameters
+    ----------
+    u : float
+        Normal relative velocity before [m/s].
+    mobility : float
+        K, the normal velocity gained per unit impulse [1/kg]: the square of the scaled contact row.
+    """
+    return -(1.0 + restitution) * u / mobility if u < 0.0 else 0.0
+
+
+class Collision(NamedTuple):
+    """Contacts of one instant in scaled coordinates: u = G y + drift for the scaled motion y."""
+
+    rows: np.ndarray  # (m, k) G = J M^-1/2
+    motion: np.ndarray  # (k,) scaled velocities before
+    drift: np.ndarray  # (m,) what fixed bodies that move add to u [m/s]
+    e: Callable[[np.ndarray], np.ndarray]  # u (m,) -> coefficient of restitution of each contact (m,)
+    floor: float  # slower approach counts as none [m/s]
+
+    def speeds(self, impulses: np.ndarray) -> np.ndarray:
+        """Normal relative velocities u after `impulses` [m/s]."""
+        return self.rows @ (self.motion + self.rows.T @ impulses) + self.drift
+
+
+class Outcome(NamedTuple):
+    """What a law makes of a collision."""
+
+    impulses: np.ndarray  # (m,) summed over all passes [N s]
+    passes: int  # solves it took
+
+
+def bounce(collision: Collision, impulses: np.ndarray, chosen: np.ndarray, e: np.ndarray) -> np.ndarray:
+    """Impulses added at once at the `chosen` contacts: p >= 0, u⁺ >= -e u⁻, p (u⁺ + e u⁻) = 0.
+
+    One contact has a closed form; several are a contact problem.
+    """
+    out = np.zeros(len(impulses))
+    rows = collision.rows[chosen]
+    u = collision.speeds(impulses)[chosen]
+    if len(u) == 1:
+        out[chosen] = normal_impulse(float(u[0]), float(rows[0] @ rows[0]), float(e[chosen][0]))
+        return out
+    factor = 1.0 + e[chosen]
+    if np.all(factor == factor[0]):  # then u⁺ + e u⁻ = G (y⁺ + e y⁻) + (1 + e) drift
+        motion = factor[0] * (collision.motion + collision.rows.T @ impulses)
+        out[chosen] = solve(rows, motion, -factor[0] * collision.drift[chosen]).f
+    else:
+        out[chosen] = solve(rows, np.zeros(rows.shape[1]), -factor * u).f
+    return out
+
+
+def stop(collision: Collision, impulses: np.ndarray) -> np.ndarray:
+    """Impulses added so that nothing approaches any more and nothing bounces (e = 0 at every contact)."""
+    everything = np.ones(len(impulses), dtype=bool)
+    return bounce(collision, impulses, everything, np.zeros(len(impulses)))
+
+
+def propagation(collision: Collision) -> Outcome:
+    """Simultaneous impulses at all approaching contacts, repeated until none approaches.
+
+    For e = 1 these are the generalised reflections of Smith, Kaufman, Vouga, Tamstorf and Grinspun
+    (Reflections on simultaneous impact, SIGGRAPH 2012); for bodies in a line, the limit of small gaps.
+    Contacts without any restitution are solved at once, which is where the repetition would lead.
+    """
+    impulses = np.zeros(len(collision.drift))
+    for passes in range(PASSES):
+        u = collision.speeds(impulses)
+        chosen = u < -collision.floor
+        if not chosen.any():
+            return Outcome(impulses, passes)
+        e = collision.e(u)
+        if not e[chosen].any():
+            chosen = np.ones(len(u), dtype=bool)
+            e = np.zeros(len(u))
+        impulses = impulses + bounce(collision, impulses, chosen, e)
+    return Outcome(impulses + stop(collision, impulses), PASSES + 1)
+
+
+def sequential(collision: Collision) -> Outcome:
+    """One contact at a time, the fastest approach first, until none approaches.
+
+    Of equally fast ones the first in scene order: the result of a symmetric impact is not symmetric.
+    Baraff, SIGGRAPH course notes (1997), section 8, treats collisions in this way.
+    """
+    m = len(collision.drift)
+    impulses = np.zeros(m)
+    most = 200 * m + 2000
+    for passes in range(most):
+        u = collision.speeds(impulses)
+        # rounding must not choose between equal speeds
+        first = int(np.argmax(u <= float(u.min()) * (1.0 - 1e-9)))
+        if u[first] >= -collision.floor:
+            return Outcome(impulses, passes)
+        chosen = np.zeros(m, dtype=bool)
+        chosen[first] = True
+        impulses = impulses + bounce(collision, impulses, chosen, collision.e(u))
+    return Outcome(impulses + stop(collision, impulses), most + 1)
+
+
+def simultaneous(collision: Collision) -> Outcome:
+    """All contacts at once: 0 <= p, u⁺ + e u⁻ >= 0, p·(u⁺ + e u⁻) = 0 with the u⁻ of before the impact.
+
+    Baraff, Analytical methods for dynamic simulation of non-penetrating rigid bodies, SIGGRAPH 1989;
+    Moreau's law.  A contact that was separating may approach afterwards, so this too is repeated.
+    """
+    m = len(collision.drift)
+    impulses = np.zeros(m)
+    everything = np.ones(m, dtype=bool)
+    for passes in range(PASSES):
+        u = collision.speeds(impulses)
+        if not (u < -collision.floor).any():
+            return Outcome(impulses, passes)
+        impulses = impulses + bounce(collision, impulses, everything, collision.e(u))
+    return Outcome(impulses + stop(collision, impulses), PASSES + 1)
+
+
+LAWS: dict[str, Callable[[Collision], Outcome]] = {
+    "propagation": propagation,
+    "sequential": sequential,
+    "simultaneous": simultaneous,
+}

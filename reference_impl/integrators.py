@@ -1,0 +1,271 @@
+"""Free flight by power series, and a Runge-Kutta step of order eight for everything else.
+
+In flight the position is a parabola (exact), or a series where drag acts.  The attitude is a Taylor
+series: with the angular momentum l and angular velocity w = I⁻¹ l in the body frame and the
+quaternion q,
+
+    l' = l × w + torque,        q' = ½ q w,
+
+products of series are convolutions, so the coefficients follow one from another (Jorba and Zou,
+A software package for the numerical integration of ODEs by means of high-order Taylor methods,
+2005).  Without a torque the world angular momentum is constant and is never integrated.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from reference_impl.kernels import angular_velocity, apply, apply_transposed, dot, kernel, matrix, norm, spin, turned
+from reference_impl.state import ORDER
+
+TRUNCATION = 1e-17  # relative size of the last term kept: below rounding
+
+
+@kernel
+def _reach_of_series(series):
+    """Time within which the last three terms of a series of unit quaternions stay below TRUNCATION [s]."""
+    reach = np.inf
+    for k in range(ORDER - 2, ORDER + 1):
+        top = 0.0
+        for c in range(series.shape[1]):
+            top = max(top, abs(series[k, c]))
+        if top > 0.0:
+            reach = min(reach, (TRUNCATION / top) ** (1.0 / k))
+    return reach
+
+
+@kernel
+def _spin_series(q, momentum, inverse_inertia, torque, lever, spin_drag, forced, out):
+    """Taylor series of the quaternion into `out`; returns the time for which it holds [s].
+
+    `lever` = Σ p Fᵀ of forces F constant in the world at points p fixed in the body: their torque
+    in the body frame is Σ p × (Rᵀ F), and Rᵀ F' = (Rᵀ F) × w like every constant world vector.
+    """
+    rotation = matrix(q)
+    l = np.zeros((ORDER + 1, 3))
+    w = np.zeros((ORDER + 1, 3))
+    axes = np.zeros((ORDER + 1, 3, 3))  # axes[k, m]: k-th coefficient of the world axis m in the body frame
+    for c in range(4):
+        out[0, c] = q[c]
+    for c in range(3):
+        l[0, c] = rotation[0, c] * momentum[0] + rotation[1, c] * momentum[1] + rotation[2, c] * momentum[2]
+        for m in range(3):
+            axes[0, m, c] = rotation[m, c]
+    dl = np.empty(3)
+    dq = np.empty(4)
+    for k in range(ORDER):
+        for c in range(3):
+            w[k, c] = (
+                inverse_inertia[c, 0] * l[k, 0] + inverse_inertia[c, 1] * l[k, 1] + inverse_inertia[c, 2] * l[k, 2]
+            )
+            dl[c] = 0.0
+            dq[c + 1] = 0.0
+        dq[0] = 0.0
+        for j in range(k + 1):
+            a, b, p = l[j], w[k - j], out[j]
+            dl[0] += a[1] * b[2] - a[2] * b[1]
+            dl[1] += a[2] * b[0] - a[0] * b[2]
+            dl[2] += a[0] * b[1] - a[1] * b[0]
+            dq[0] += -p[1] * b[0] - p[2] * b[1] - p[3] * b[2]
+            dq[1] += p[0] * b[0] + p[2] * b[2] - p[3] * b[1]
+            dq[2] += p[0] * b[1] - p[1] * b[2] + p[3] * b[0]
+            dq[3] += p[0] * b[2] + p[1] * b[1] - p[2] * b[0]
+        if forced:
+            _add_torque(dl, axes, w, torque, lever, spin_drag, k)
+        for c in range(3):
+            l[k + 1, c] = dl[c] / (k + 1.0)
+        for c in range(4):
+            out[k + 1, c] = 0.5 * dq[c] / (k + 1.0)
+    return _reach_of_series(out)
+
+
+@kernel
+def _add_torque(dl, axes, w, torque, lever, spin_drag, k):
+    """Add the k-th coefficient of the torque in the body frame to `dl` and carry the world axes one order on."""
+    for m in range(3):
+        e = axes[k, m]
+        for c in range(3):
+            dl[c] += torque[m] * e[c]
+        dl[0] += lever[1, m] * e[2] - lever[2, m] * e[1]
+        dl[1] += lever[2, m] * e[0] - lever[0, m] * e[2]
+        dl[2] += lever[0, m] * e[1] - lever[1, m] * e[0]
+        for j in range(k + 1):
+            a, b = axes[j, m], w[k - j]
+            axes[k + 1, m, 0] += (a[1] * b[2] - a[2] * b[1]) / (k + 1.0)
+            axes[k + 1, m, 1] += (a[2] * b[0] - a[0] * b[2]) / (k + 1.0)
+            axes[k + 1, m, 2] += (a[0] * b[1] - a[1] * b[0]) / (k + 1.0)
+    for c in range(3):
+        dl[c] -= spin_drag * w[k, c]
+
+
+@kernel
+def _path_series(x, v, acceleration, drag, out):
+    """Series of the position under a constant acceleration and linear drag; returns for how long it holds [s]."""
+    for c in range(3):
+        out[0, c] = x[c]
+        out[1, c] = v[c]
+        out[2, c] = 0.5 * (acceleration[c] - drag * v[c])
+        for k in range(2, ORDER):
+            out[k + 1, c] = -drag * out[k, c] / (k + 1.0) if drag > 0.0 else 0.0
+    return 0.5 / drag if drag > 0.0 else np.inf  # (1/2)^17 / 17! is far below rounding
+
+
+@kernel
+def free_flight(
+    x, v, q, momentum, acceleration, drag, inverse, quickness, unevenness, series, x_series, q_series, bounds
+):
+    """Polynomials of free flight of one body, bounds of what it can do meanwhile, and how long they hold [s].
+
+    `series` is False for a body whose attitude needs none: it does not turn, or looks the same from all sides.
+    """
+    span = _path_series(x, v, acceleration, drag, x_series)
+    for c in range(4):
+        q_series[0, c] = q[c]
+        for k in range(1, ORDER + 1):
+            q_series[k, c] = 0.0
+    bounds[3] = bounds[4] = bounds[5] = 0.0
+    for c in range(3):
+        bounds[c] = 2.0 * x_series[2, c]
+    if drag > 0.0:
+        bounds[3] = 2.0 * drag * span * (norm(acceleration) + drag * norm(v))
+    if series and norm(momentum) > 0.0:
+        zero = np.zeros((3, 3))
+        span = min(span, _spin_series(q, momentum, inverse, zero[0], zero, 0.0, False, q_series))
+        # with p = 1 / smallest moment: |ω| <= p |L| and |ω|² <= 2 p energy
+        w = spin(matrix(q), inverse, momentum)
+        fastest = min(quickness * norm(momentum), math.sqrt(max(dot(w, momentum), 0.0) * quickness))
+        bounds[4] = fastest
+        # ω₁' = c₁ ω₂ ω₃ with |c| <= unevenness, and Σ ω₂² ω₃² <= |ω|⁴ / 3
+        bounds[5] = unevenness * fastest * fastest / math.sqrt(3.0)
+    return span
+
+
+@kernel
+def driven_flight(x, v, q, momentum, acceleration, drag, inverse, quickness, torque, lever, damping, x_series, q_series,
+                  bounds):  # fmt: skip
+    """The same for a body on which a torque acts: see `free_flight` and `_spin_series`."""
+    span = free_flight(
+        x, v, q, momentum, acceleration, drag, inverse, quickness, 0.0, False, x_series, q_series, bounds
+    )
+    span = min(span, _spin_series(q, momentum, inverse, torque, lever, damping, True, q_series))
+    load = norm(torque) + norm(lever[0]) + norm(lever[1]) + norm(lever[2])
+    most = norm(momentum) + (load * span if load > 0.0 else 0.0)
+    fastest = quickness * most
+    bounds[4] = fastest
+    bounds[5] = quickness * (load + damping * fastest + fastest * most)  # ω' = I⁻¹ (torque - ω × L)
+    return span
+
+
+@kernel
+def where(s, x_series, q_series, x, v, q, rate):
+    """Position, velocity, quaternion and its rate s seconds into one body's segment, into the arrays given."""
+    for c in range(3):
+        p = x_series[ORDER, c]
+        d = 0.0
+        for k in range(ORDER - 1, -1, -1):
+            d = d * s + p
+            p = p * s + x_series[k, c]
+        x[c] = p
+        v[c] = d
+    for c in range(4):
+        p = q_series[ORDER, c]
+        d = 0.0
+        for k in range(ORDER - 1, -1, -1):
+            d = d * s + p
+            p = p * s + q_series[k, c]
+        q[c] = p
+        rate[c] = d
+
+
+@kernel
+def carry(t, plain, inverse_inertia, x, v, q, momentum, begin, x_series, q_series):
+    """Set position, velocity and attitude of every body to what its polynomials say at time t.
+
+    A `plain` body turns at a constant angular velocity and its attitude is exact.
+    """
+    rate = np.empty(4)
+    for i in range(len(x)):
+        s = t - begin[i]
+        where(s, x_series[i], q_series[i], x[i], v[i], q[i], rate)
+        if plain[i]:
+            angle = apply(inverse_inertia[i], momentum[i])
+            for c in range(3):
+                angle[c] *= s
+            q[i] = turned(q_series[i, 0], angle)
+        elif s != 0.0:
+            size = math.sqrt(q[i, 0] ** 2 + q[i, 1] ** 2 + q[i, 2] ** 2 + q[i, 3] ** 2)
+            for c in range(4):
+                q[i, c] /= size
+
+
+@kernel
+def driven_momentum(s, inertia, x_series, q_series):
+    """World angular momentum of a body on which a torque acts, s seconds into its segment [kg m2/s]."""
+    x, v, q, rate = np.empty(3), np.empty(3), np.empty(4), np.empty(4)
+    where(s, x_series, q_series, x, v, q, rate)
+    rotation = matrix(q)
+    return apply(rotation, apply(inertia, apply_transposed(rotation, angular_velocity(q, rate))))
+
+
+@kernel
+def hermite(h, p0, d0, s0, p1, d1, s1, series):
+    """Polynomials of degree five with value p, first derivative d and second derivative s at both ends of h."""
+    for c in range(len(p0)):
+        for k in range(6, ORDER + 1):
+            series[k, c] = 0.0
+        _quintic(h, p0[c], d0[c], s0[c], p1[c], d1[c], s1[c], series[:, c])
+
+
+@kernel
+def _quintic(h, p0, d0, s0, p1, d1, s1, out):
+    out[0], out[1], out[2] = p0, d0, 0.5 * s0
+    p = p1 - p0 - d0 * h - 0.5 * s0 * h * h
+    d = (d1 - d0 - s0 * h) * h
+    s = (s1 - s0) * h * h
+    out[3] = (10.0 * p - 4.0 * d + 0.5 * s) / h**3
+    out[4] = (-15.0 * p + 7.0 * d - s) / h**4
+    out[5] = (6.0 * p - 3.0 * d + 0.5 * s) / h**5
+
+
+class RungeKutta8:
+    """Dormand and Prince's explicit method of order 8 with Hairer's error estimate of orders 5 and 3.
+
+    Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (1993), section II.10.  The
+    coefficients are SciPy's.
+    """
+
+    def __init__(self) -> None:
+        from scipy.integrate import DOP853
+
+        self.a, self.b, self.c = DOP853.A, DOP853.B, DOP853.C
+        self.e3, self.e5 = DOP853.E3, DOP853.E5
+
+    def step(
+        self, rate: Callable[[float, np.ndarray], np.ndarray], t: float, y: np.ndarray, h: float, first: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """State after one step, and the derivatives at all stages (13, len(y)), the last at the new state.
+
+        Parameters
+        ----------
+        rate : function (t, y) -> y'
+        first : array
+            y' at (t, y).
+        """
+        stages = np.empty((13, len(y)))
+        stages[0] = first
+        for s in range(1, 12):
+            stages[s] = rate(t + self.c[s] * h, y + h * (self.a[s, :s] @ stages[:s]))
+        new = y + h * (self.b @ stages[:12])
+        stages[12] = rate(t + h, new)
+        return new, stages
+
+    def error(self, stages: np.ndarray, h: float, scale: np.ndarray) -> float:
+        """Estimated error of the step over `scale`, root mean square; a step is good at <= 1."""
+        fifth = float(np.sum((self.e5 @ stages / scale) ** 2))
+        third = float(np.sum((self.e3 @ stages / scale) ** 2))
+        if fifth == 0.0 and third == 0.0:
+            return 0.0
+        return h * fifth / math.sqrt((fifth + 0.01 * third) * len(scale))

@@ -1,0 +1,168 @@
+"""The algorithm, on one page.
+
+    until the time asked for is reached
+        where something has just met or lies on something:
+            exchange impulses until nothing approaches          (effects.impact)
+            find the contacts that last, and their forces        (effects.resting)
+        let all bodies move to the next contact, at the latest to the time asked for:
+            bodies in flight on their exact paths                (integrators)
+            bodies in lasting contact by Runge-Kutta steps        (lasting)
+            looking for the first contact on the way             (time_of_contact)
+
+Nothing is rounded to a time step: bodies are carried exactly to each contact, and effects that the
+scene does not declare have no part in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mechanics.scene import Scene
+from mechanics.trajectory import Trajectory
+from reference_impl import lasting
+from reference_impl.assemble import IMPULSES, Table, assemble
+from reference_impl.collide.detect import Detector, Search, kinematics, rotations
+from reference_impl.errors import Overlap, Stalled
+from reference_impl.settle import settle
+from reference_impl.state import bodies_of, motion_of
+from reference_impl.world import HELD, Scales, Settings, World
+
+TOUCH = 1e-9  # features closer than this touch [smallest body size]
+QUIET = 1e-12  # slower approach is none [speed scale]
+CROWD = 100_000  # events allowed within a thousandth of the scene's time scale
+
+
+def simulate(scene: Scene, times: Sequence[float], settings: Settings | None = None) -> Trajectory:
+    """Motion of `scene` at `times` [s], which increase from 0 on.
+
+    Raises
+    ------
+    Unsupported
+        For an effect or a contact of shapes the engine has no part for.
+    MissingEffect
+        If the motion needs an effect that is not declared.
+    Overlap
+        If bodies overlap at the start.
+    Stalled
+        If a budget ran out.
+    """
+    world = begin(scene, settings)
+    states = []
+    for t in times:
+        if t > world.t:
+            advance(world, t - world.t)
+        states.append(world.state())
+    return Trajectory.of(states)
+
+
+def begin(scene: Scene, settings: Settings | None = None, table: Table = IMPULSES) -> World:
+    """World of a scene at t = 0.
+
+    Raises
+    ------
+    Unsupported, Overlap
+        As in `simulate`.
+    """
+    settings = settings or Settings()
+    parts = assemble(scene, table)
+    unloaded = bodies_of(scene)
+    bodies = parts.loaded(unloaded, 0.0)
+    scales = _scales(scene, bodies)
+    search = Search(
+        settings.time_of_contact, settings.tolerance * scales.length,
+        max(TOUCH, 10.0 * settings.tolerance) * scales.length, QUIET * scales.speed,
+    )  # fmt: skip
+    world = World(scene, settings, parts, bodies, unloaded, motion_of(scene, bodies), scales,
+                  Detector(scene, bodies, search), search)  # fmt: skip
+    _refuse_overlap(world)
+    for i in range(len(scene.bodies)):
+        world.launch(i)
+    return world
+
+
+def advance(world: World, duration: float) -> None:
+    """Carry the world `duration` [s] on.
+
+    Raises
+    ------
+    MissingEffect, Stalled
+        As in `simulate`; the world then stands where it got to.
+    """
+    target = world.t + duration
+    budget = world.audit.events + world.settings.events
+    crowd = (world.t, world.audit.events)
+    while world.t < target:
+        if world.dirty.any():
+            settle(world)
+        limit = min(target, _next_switch(world), float(world.motion.end.min()))
+        if (world.mode == HELD).any():
+            lasting.step(world, limit)
+        else:
+            _fly(world, limit)
+        world.renew()
+        if world.audit.events > budget:
+            raise Stalled(f"{world.settings.events} contacts in one call", world.t)
+        if world.t > crowd[0] + 1e-3 * world.scales.time:
+            crowd = (world.t, world.audit.events)
+        elif world.audit.events > crowd[1] + CROWD:
+            raise Stalled(f"{CROWD} contacts without progress in time", world.t)
+
+
+def _fly(world: World, limit: float) -> None:
+    """All bodies in flight: to the first contact or to `limit` [s]."""
+    time, pair = world.first_hit(limit)
+    world.carry(time)
+    if pair >= 0:
+        world.dirty[world.detector.pairs[pair]] = True
+        world.clear[pair], world.hits[pair] = time, False
+    elif time == _next_switch(world, before=time):
+        _switch(world)
+
+
+def _next_switch(world: World, before: float | None = None) -> float:
+    """Next time at which a load begins or ends [s]; inf if none will."""
+    now = world.t if before is None else before
+    later = [t for t in world.parts.switches() if (t > now if before is None else t == now)]
+    return later[0] if later else np.inf
+
+
+def _switch(world: World) -> None:
+    """The loads change now: every body starts a new flight, and every contact is looked at again."""
+    everything = np.ones(len(world.dirty), dtype=bool)
+    world.bodies = world.detector.bodies = world.parts.loaded(world.unloaded, world.t)
+    world.mode[:] = 0
+    for i in range(len(world.dirty)):
+        world.launch(i)
+    world.dirty[:] = True
+    world.forget(everything)
+
+
+def _scales(scene: Scene, b) -> Scales:  # noqa: ANN001
+    free = b.inverse_mass > 0.0
+    length = float(b.reach[free].min()) if free.any() else 1.0
+    start = scene.start()
+    fastest = float(
+        max(np.linalg.norm(start.v, axis=1).max(), (np.linalg.norm(start.w, axis=1) * _finite(b.reach)).max())
+    )
+    pull = float(np.linalg.norm(b.acceleration, axis=1).max())
+    speed = max(fastest, (pull * length) ** 0.5)
+    return Scales(length, speed or 1.0, length / (speed or 1.0))
+
+
+def _finite(values: np.ndarray) -> np.ndarray:
+    return np.where(np.isfinite(values), values, 0.0)
+
+
+def _refuse_overlap(world: World) -> None:
+    m, everything = world.motion, np.ones(len(world.dirty), dtype=bool)
+    rotation = rotations(m.q)
+    contacts = world.detector.contacts(m.x, rotation, everything)
+    if len(contacts.kinds) == 0:
+        return
+    gap = kinematics(contacts, m.x, rotation, m.v, np.zeros_like(m.v)).gap
+    worst = int(np.argmin(gap))
+    if gap[worst] < -world.search.touch:
+        a, b = contacts.kinds[worst, :2].tolist()
+        raise Overlap((world.scene.names[a], world.scene.names[b]), -float(gap[worst]), 0.0)

@@ -1,0 +1,243 @@
+"""The world in motion: bodies, their segments, who touches whom, and the record of what happened."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from mechanics.scene import Scene
+from mechanics.trajectory import State
+from reference_impl.collide.detect import Contacts, Detector, Search, rotations
+from reference_impl.contact_problem import SOLVERS
+from reference_impl.effects.impact import LAWS
+from reference_impl.errors import Stalled
+from reference_impl.integrators import carry, driven_flight, driven_momentum, free_flight
+from reference_impl.kernels import spin
+from reference_impl.parts import Parts
+from reference_impl.state import Bodies, Motion
+
+FLYING, HELD, STILL = 0, 1, 2  # free; under contact forces; at rest for good until something touches it
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a user may choose.
+
+    Attributes
+    ----------
+    impact_law : str
+        One of `effects.impact.LAWS`.
+    time_of_contact : str
+        "advancement" (conservative, second order) or "bisection".
+    solver : str
+        First solver of contact problems, one of `contact_problem.SOLVERS`.
+    tolerance : float
+        Relative accuracy of contact times (gap over body size) and of the motion in lasting contact.
+    events : int
+        Budget: contacts handled in one call of `advance`.
+
+    Raises
+    ------
+    ValueError
+        For an unknown name or a number out of range.
+    """
+
+    impact_law: str = "propagation"
+    time_of_contact: str = "advancement"
+    solver: str = "nnls"
+    tolerance: float = 1e-12
+    events: int = 1_000_000
+
+    def __post_init__(self) -> None:
+        choices = (
+            ("impact_law", tuple(LAWS)),
+            ("time_of_contact", ("advancement", "bisection")),
+            ("solver", tuple(SOLVERS)),
+        )
+        for name, allowed in choices:
+            if getattr(self, name) not in allowed:
+                raise ValueError(f"{name} = {getattr(self, name)!r}; allowed: {', '.join(allowed)}")
+        if not 1e-13 <= self.tolerance <= 1e-2:
+            raise ValueError(f"tolerance = {self.tolerance!r}; allowed: a number from 1e-13 to 1e-2")
+        if self.events < 1:
+            raise ValueError(f"events = {self.events!r}; allowed: a whole number > 0")
+
+
+class Scales(NamedTuple):
+    """What large means in this scene; every tolerance is a multiple of one of these."""
+
+    length: float  # size of the smallest moving body [m]
+    speed: float  # of falling through that size, or of the fastest body at the start [m/s]
+    time: float  # [s]
+
+
+class Collided(NamedTuple):
+    """One impulse that was exchanged."""
+
+    time: float  # [s]
+    a: int
+    b: int
+    point: tuple[float, float, float]  # [m]
+    normal: tuple[float, float, float]  # unit, from b to a
+    impulse: float  # on a along the normal [N s]
+
+
+class Held(NamedTuple):
+    """A lasting contact and its force."""
+
+    a: int
+    b: int
+    point: tuple[float, float, float]  # [m]
+    normal: tuple[float, float, float]  # unit, from b to a
+    force: float  # on a along the normal [N]
+
+
+@dataclass
+class Audit:
+    """What the engine knows of its own soundness; every number is a worst case or a count."""
+
+    events: int = 0  # contacts handled
+    impacts: int = 0  # impulses exchanged
+    passes: int = 0  # most solves of one impact
+    steps: int = 0  # integration steps in lasting contact
+    rejected: int = 0  # steps that were repeated shorter
+    residual: float = 0.0  # certificate of the contact problems, relative
+    gap: float = 0.0  # deepest overlap found at an event [m], <= 0
+    energy_rise: float = 0.0  # of an impact or a return to rest [J]; only where no fixed body moves
+    rests: int = 0  # bodies brought to proven rest
+    last_bounce: float = math.nan  # when the last accumulating bounce came to its end [s]
+
+
+@dataclass
+class World:
+    """A scene on its way.  `reference_impl.simulate` makes it and moves it on."""
+
+    scene: Scene
+    settings: Settings
+    parts: Parts
+    bodies: Bodies  # with the loads that act now
+    unloaded: Bodies
+    motion: Motion
+    scales: Scales
+    detector: Detector
+    search: Search
+    mode: np.ndarray = field(init=False)
+    dirty: np.ndarray = field(init=False)  # bodies whose contacts must be looked at now
+    clear: np.ndarray = field(init=False)  # (pairs,) until when each pair cannot touch [s]
+    hits: np.ndarray = field(init=False)  # (pairs,) whether it does then
+    moving: bool = field(init=False)  # whether some fixed body moves
+    contacts: Contacts | None = None  # that last, of all held bodies
+    held: dict[int, Held] = field(default_factory=dict)  # running number -> contact with its force
+    forces: list[Held] = field(default_factory=list)
+    pushing: set[tuple[int, int, int, int]] = field(default_factory=set)
+    step: float = 0.0  # proposed for the motion in lasting contact [s]
+    events: list[Collided] = field(default_factory=list)
+    audit: Audit = field(default_factory=Audit)
+
+    def __post_init__(self) -> None:
+        n = len(self.scene.bodies)
+        self.mode = np.full(n, FLYING)
+        self.dirty = np.ones(n, dtype=bool)
+        self.clear = np.zeros(len(self.detector.pairs))
+        self.hits = np.zeros(len(self.detector.pairs), dtype=bool)
+        self.moving = any(b.fixed and (any(b.velocity) or any(b.acceleration)) for b in self.scene.bodies)
+        self.step = 1e-2 * self.scales.time
+
+    @property
+    def t(self) -> float:
+        """Time reached [s]."""
+        return self.motion.t
+
+    def names(self, *bodies: int) -> tuple[str, ...]:
+        """Names of bodies."""
+        return tuple(self.scene.names[i] for i in bodies)
+
+    def angular_velocities(self) -> np.ndarray:
+        """World angular velocities (n, 3) [rad/s]."""
+        m = self.motion
+        return np.array(
+            [spin(r, i, one) for r, i, one in zip(rotations(m.q), self.bodies.inverse_inertia, m.L, strict=True)]
+        )
+
+    def state(self) -> State:
+        """State of all bodies now, in scene order."""
+        m = self.motion
+        return State(m.t, m.x.copy(), m.q.copy(), m.v.copy(), self.angular_velocities())
+
+    def static(self, i: int) -> bool:
+        """Whether body i does not move at all now."""
+        if self.mode[i] == STILL:
+            return True
+        b = self.bodies
+        return b.inverse_mass[i] == 0.0 and not self.motion.v[i].any() and not b.acceleration[i].any()
+
+    def launch(self, i: int) -> None:
+        """Let body i fly from now on."""
+        m, b = self.motion, self.bodies
+        m.begin[i], m.start[i] = m.t, m.L[i]
+        acceleration = np.zeros(3) if self.mode[i] == STILL else b.acceleration[i]
+        turning = b.quickness[i] > 0.0 and self.mode[i] != STILL and not b.plain[i]
+        if turning and b.twisted[i]:
+            span = driven_flight(
+                m.x[i], m.v[i], m.q[i], m.L[i], acceleration, b.drag[i], b.inverse_inertia[i], b.quickness[i],
+                b.torque[i], b.lever[i], b.spin_drag[i], m.x_series[i], m.q_series[i], m.bounds[i],
+            )  # fmt: skip
+        elif (turning and m.L[i].any()) or (b.drag[i] > 0.0 and self.mode[i] != STILL):
+            span = free_flight(
+                m.x[i], m.v[i], m.q[i], m.L[i], acceleration, b.drag[i], b.inverse_inertia[i], b.quickness[i],
+                b.unevenness[i], turning, m.x_series[i], m.q_series[i], m.bounds[i],
+            )  # fmt: skip
+        else:
+            span = math.inf
+            m.x_series[i] = m.q_series[i] = m.bounds[i] = 0.0
+            m.x_series[i, 0], m.x_series[i, 1], m.x_series[i, 2] = m.x[i], m.v[i], 0.5 * acceleration
+            m.q_series[i, 0] = m.q[i]
+            m.bounds[i, :3] = acceleration
+        m.end[i] = m.t + span
+
+    def forget(self, changed: np.ndarray) -> None:
+        """Look anew for contacts of the bodies in `changed` (boolean), whose motion is another now."""
+        if len(self.clear):
+            touched = changed[self.detector.pairs].any(axis=1)
+            self.clear[touched] = self.t
+            self.hits[touched] = False
+
+    def carry(self, t: float) -> None:
+        """Bring the state of every body to time t of its segment."""
+        m, b = self.motion, self.bodies
+        carry(t, b.plain, b.inverse_inertia, m.x, m.v, m.q, m.L, m.begin, m.x_series, m.q_series)
+        for i in np.flatnonzero(b.twisted):
+            if self.mode[i] == FLYING:
+                m.L[i] = driven_momentum(t - m.begin[i], b.inertia[i], m.x_series[i], m.q_series[i])
+        m.t = t
+
+    def renew(self) -> None:
+        """Continue the flights whose polynomials end now."""
+        for i in np.flatnonzero((self.motion.end <= self.t) & (self.mode == FLYING)):
+            self.launch(i)
+
+    def first_hit(self, limit: float) -> tuple[float, int]:
+        """Time of the first contact before `limit` and its pair, or (limit, -1)."""
+        spent = 0
+        while len(self.clear):
+            p = int(np.argmin(self.clear))
+            if self.clear[p] >= limit:
+                break
+            if self.hits[p]:
+                return float(self.clear[p]), p
+            self._look(p, limit)
+            spent += 1
+            if spent > 1000 + 50 * len(self.clear):
+                raise Stalled(f"search for the next contact of {self.names(*self.detector.pairs[p])}", self.t)
+        return limit, -1
+
+    def _look(self, p: int, limit: float) -> None:
+        a, b = self.detector.pairs[p].tolist()
+        if self.static(a) and self.static(b):
+            self.clear[p] = math.inf
+            return
+        touching = self.contacts is not None and bool((self.contacts.pairs == p).any())
+        self.clear[p], self.hits[p] = self.detector.meet(p, float(self.clear[p]), limit, self.motion, touching)
