@@ -345,8 +345,8 @@ class Pymunk:
             points = [(0.5 * (p.point_a + p.point_b)) for p in touch.points]
             centre = sum(points, start=0.0 * points[0]) / len(points)
             level = world.scene.bodies[world.scene.moving[0]].position[1]
-            # pymunk's normal points from its first shape to its second
-            normal, force = -touch.normal, -impulse / h
+            # pymunk's normal points from its first shape to its second, and the impulse acts on the first
+            normal, force = -touch.normal, impulse / h
             found[pair] = ContactForce(
                 world.clock.time, world.scene.names[a], world.scene.names[b],
                 (centre.x, level, centre.y), (normal.x, 0.0, normal.y), (force.x, 0.0, force.y),
