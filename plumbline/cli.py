@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import click
-from click.utils import PacifyFlushWrapper
 
 from plumbline.cli_run import run
 from plumbline.command import as_json, harness, plug_in, register, usage

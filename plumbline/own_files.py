@@ -5,17 +5,19 @@ from __future__ import annotations
 import importlib.util
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 from zlib import crc32
 
 from mechanics.scene import Scene
-from mechanics.scene_file import load_scene, scene_digest
+from mechanics.scene_file import load_scene, scene_digest, scene_from_dict
 from scenarios import catalogue
 from scenarios.scenario import FAMILIES, Scenario
 
 SUFFIXES = (".toml", ".py")
+NO_SOURCE = "none: a scene of the user"
 
 
 class BadFile(ValueError):
@@ -39,13 +41,20 @@ def scene_scenario(scene: Scene, name: str, duration: float, sampling: float) ->
         duration=duration,
         sampling=sampling,
         checks=(),
-        source="none: a scene of the user",
+        source=NO_SOURCE,
         about=tuple(sorted(scene.needs, key=lambda kind: kind.__name__)),
         name=name,
         version=crc32(asked.encode()),
         summary=f"The scene of {name}; its truth is not known, so nothing is demanded.",
         tags=("own",),
     )
+
+
+def scenario_again(name: str, told: Mapping[str, Any]) -> Scenario | None:
+    """The scenario of a scene file as the description in an archived run holds it; None if it was none of those."""
+    if told.get("source") != NO_SOURCE or "scene" not in told:
+        return None
+    return scene_scenario(scene_from_dict(told["scene"]), name, told["duration"], told["sampling"])
 
 
 def scenarios_of(

@@ -14,7 +14,7 @@ from typing import Any
 from adapters import registry
 from adapters.engine import Engine, Knob, checked_settings, defaults, profile
 from comparisons.cell import cell_key
-from mechanics.scene_file import scene_digest
+from mechanics.scene_file import scene_digest, scene_to_dict
 from plumbline import own_files
 from scenarios import catalogue
 from scenarios.scenario import Scenario
@@ -229,7 +229,7 @@ def reproduce(scenario: Scenario, engine: str, settings: Mapping[str, Knob], own
 
 
 def described(scenarios: Iterable[Scenario]) -> dict[str, Any]:
-    """What a reader needs beside the numbers, by label; `question` is a hash of what was asked."""
+    """What a reader needs beside the numbers, by label: the scene, too, and a hash of what was asked (`question`)."""
     return {
         s.name: {
             "summary": s.summary,
@@ -240,6 +240,7 @@ def described(scenarios: Iterable[Scenario]) -> dict[str, Any]:
             "sampling": s.sampling,
             "version": s.version,
             "question": f"{scene_digest(s.scene)}-{s.duration!r}-{s.sampling!r}",
+            "scene": scene_to_dict(s.scene),
             "checks": [vars(c) for c in s.checks],
         }
         for s in scenarios

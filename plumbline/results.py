@@ -11,7 +11,7 @@ import reports
 from adapters.archive import ArchiveError
 from adapters.run import Run
 from comparisons.cell import Campaign, Cell
-from plumbline import run_folder
+from plumbline import own_files, run_folder
 from plumbline.run_folder import FolderError, Traces
 
 if TYPE_CHECKING:
@@ -92,7 +92,9 @@ class Results:
         FolderError
             If the folder cannot be written.
         """
-        known = {s.name: s for s in self.known} or None
+        from reports.series import look_up
+
+        known = look_up(self.campaign) | {s.name: s for s in self.known}
         try:
             return reports.write(self.campaign, folder or self.folder, self.traces, known)
         except OSError as error:
@@ -107,7 +109,8 @@ class Results:
         from plumbline.judging import judged_again
         from reports.series import look_up
 
-        known = look_up(self.campaign) | {s.name: s for s in self.known}
+        own = {name: own_files.scenario_again(name, told) for name, told in self.campaign.scenarios.items()}
+        known = look_up(self.campaign) | {n: s for n, s in own.items() if s} | {s.name: s for s in self.known}
         remarks: list[str] = []
         cells = []
         for cell in self.cells:
@@ -122,7 +125,8 @@ class Results:
         unknown = sorted({c.scenario for c in self.cells} - set(known))
         if unknown:
             remarks.append(f"not judged again, because the catalogue does not have them: {', '.join(unknown)}")
-        return replace(self, campaign=replace(self.campaign, cells=tuple(cells))), remarks
+        kept = (*self.known, *(s for s in own.values() if s))
+        return replace(self, campaign=replace(self.campaign, cells=tuple(cells)), known=kept), remarks
 
     def exit_code(self, fail_on: Sequence[str] = FAIL_ON) -> int:
         """0, 1, 3, 4 or 5, the worst of what the cells ask for; `fail_on` lists the states that count."""

@@ -186,6 +186,15 @@ def test_a_scene_file_runs_as_a_scenario_without_a_truth(command, tmp_path):
     assert [row["key"] for row in json.loads(out)] == [cell["key"]]
 
 
+def test_a_scene_of_ones_own_is_judged_anew_from_its_run_alone(command, tmp_path):
+    (tmp_path / "drop.toml").write_text(SCENE)
+    assert command("run", "drop.toml", "-e", "toy", "--out", "run", "--progress", "off")[0] == 0
+    (tmp_path / "drop.toml").unlink()
+    code, out, err = command("report", "run", "--json", plugin=False)
+    assert (code, err) == (0, "")
+    assert "energy error" in {m["quantity"] for m in json.loads(out)["cells"][0]["measurements"]}
+
+
 def test_a_scene_that_is_not_possible_names_the_key(command, tmp_path):
     (tmp_path / "bad.toml").write_text(SCENE.replace("mass = 1.0", "mass = -1.0"))
     code, _, err = command("run", "bad.toml", "-e", "toy")
