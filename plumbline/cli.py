@@ -39,11 +39,8 @@ def main(args: Sequence[str] | None = None) -> int:
         click.echo("interrupted", err=True)
         return 130
     except SystemExit as stop:
-        if isinstance(
-            sys.stdout, PacifyFlushWrapper
-        ):  # the reader of our output has gone, as in `plumbline list | head`
-            return 0
-        return int(stop.code or 0)
+        # the reader of our output has gone, as in `plumbline list | head`: click puts a stand-in in its place
+        return 0 if type(sys.stdout).__name__ == "PacifyFlushWrapper" else int(stop.code or 0)
 
 
 @click.group(epilog=CODES, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
