@@ -25,6 +25,7 @@ Exit codes:
 
 def main(args: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
+    stdout = sys.stdout
     try:
         code = cli.main(args=None if args is None else list(args), prog_name="plumbline", standalone_mode=False)
         sys.stdout.flush()
@@ -39,8 +40,8 @@ def main(args: Sequence[str] | None = None) -> int:
         click.echo("interrupted", err=True)
         return 130
     except SystemExit as stop:
-        # the reader of our output has gone, as in `plumbline list | head`: click puts a stand-in in its place
-        return 0 if type(sys.stdout).__name__ == "PacifyFlushWrapper" else int(stop.code or 0)
+        # if the reader of our output goes away, as in `plumbline list | head`, click puts a stand-in in its place
+        return int(stop.code or 0) if sys.stdout is stdout else 0
 
 
 @click.group(epilog=CODES, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
