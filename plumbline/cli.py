@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import traceback
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -42,6 +43,10 @@ def main(args: Sequence[str] | None = None) -> int:
     except SystemExit as stop:
         # if the reader of our output goes away, as in `plumbline list | head`, click puts a stand-in in its place
         return int(stop.code or 0) if sys.stdout is stdout else 0
+    except Exception:  # a fault of ours: not to be taken for a finding, which has exit code 1
+        traceback.print_exc()
+        click.echo("this is a fault of plumbline itself, not of an engine or of what was asked", err=True)
+        return 4
 
 
 @click.group(epilog=CODES, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from plumbline.command import as_json, harness, plug_in, register, usage
+from plumbline.command import as_json, harness, plug_in, register, terminable, usage
 
 if TYPE_CHECKING:
     from comparisons.published import Figure
@@ -197,7 +197,7 @@ def carry_out(jobs: tuple[Job, ...], asked: dict[str, Any], figures: tuple[Figur
                       round(asked["memory"] * 2**30), asked["rerun"] or "none")  # fmt: skip
     folder = Path(asked["out"]) if asked["out"] else Path("runs") / new_id()
     outputs = finish.Outputs(asked["junit"], asked["summary"])
-    with harness(), progress(asked["style"], console) as display:
+    with harness(), terminable(), progress(asked["style"], console) as display:
         outputs.open()
         execution = Execution(jobs, folder, title(asked), command(), options, display)
         try:

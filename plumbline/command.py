@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -42,6 +43,16 @@ def harness() -> Iterator[None]:
         yield
     except (FolderError, ArchiveError) as error:
         raise HarnessFault(str(error)) from error
+
+
+@contextmanager
+def terminable() -> Iterator[None]:
+    """SIGTERM is answered like Ctrl-C: workers are ended, what is finished is kept."""
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def register(plugins: Sequence[str]) -> None:

@@ -312,7 +312,8 @@ def test_the_doctor_examines_the_machine(command, monkeypatch):
     assert command("doctor")[1].count("toy") == 3
 
 
-def test_an_interrupt_ends_workers_keeps_the_journal_and_exits_130(toy_file, tmp_path):
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_ends_workers_keeps_the_journal_and_exits_130(toy_file, tmp_path, sent):
     words = ["run", "-s", "projectile", "-s", "free-fall[]", "-e", "toy", "-e", "toy:faulty", "--set", "fault=hang",
              "--plugin", str(toy_file), "--out", "run", "--progress", "plain", "--timeout", "60s"]  # fmt: skip
     process = subprocess.Popen(
@@ -322,7 +323,7 @@ def test_an_interrupt_ends_workers_keeps_the_journal_and_exits_130(toy_file, tmp
     deadline = time.monotonic() + 60.0
     while time.monotonic() < deadline and not (journal.exists() and len(journal.read_text().splitlines()) == 2):
         time.sleep(0.05)
-    process.send_signal(signal.SIGINT)
+    process.send_signal(sent)
     _, err = process.communicate(timeout=30)
     assert process.returncode == 130
     assert "--out run` goes on from there" in err
@@ -336,6 +337,16 @@ def test_a_reader_that_goes_away_is_no_error(toy_file):
     done = subprocess.run(["bash", "-o", "pipefail", "-c", script], capture_output=True, text=True, check=False)
     assert done.stderr == ""
     assert done.returncode == 0
+
+
+def test_a_fault_of_ours_is_no_finding(command, monkeypatch):
+    from plumbline import listing
+
+    monkeypatch.setattr(listing, "show", lambda *_: 1 / 0)
+    code, _, err = command("list")
+    assert code == 4
+    assert "ZeroDivisionError" in err
+    assert "a fault of plumbline itself" in err
 
 
 def test_no_colour_where_none_is_wanted(toy_file, tmp_path):
