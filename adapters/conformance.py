@@ -20,7 +20,7 @@ import numpy as np
 
 from adapters.engine import Engine, Refusal, Settings, checked_settings, defaults, lead, settled
 from adapters.run import Failure, prepare, run
-from mechanics.effects import EFFECTS, Drag, Effect, Force, Gravity, Restitution, Rotation
+from mechanics.effects import EFFECTS, Drag, Effect, Force, Friction, Gravity, Restitution, Rotation
 from mechanics.rotation import about, angle_between, matrix, product, rotate
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, Capsule, Cylinder, HalfSpace, Shape, Sphere
@@ -134,11 +134,23 @@ def _vacuum(engine: Engine) -> Verdict:
 
 @_law("turns nothing without Rotation")
 def _no_rotation(engine: Engine) -> Verdict:
-    body = Body("b", Box((0.2, 0.3, 0.4)), 1.0, (0.0, 0.0, 1.0), tuple(about((0.0, 1.0, 0.0), 0.3)), (1.0, 0.0, 0.0))
+    tilted = tuple(about((0.0, 1.0, 0.0), 0.3))
     push = Force("b", force=(1.0, 0.0, 0.0), torque=(0.0, 1.0, 0.0), point=(0.0, 0.0, 0.1))
-    effects = tuple(e for e in (Gravity(), push) if type(e) in engine.effects)
-    motion = _drive(engine, Scene((body,), effects), (0.0, 0.5))
-    return _turned(motion) + np.abs(motion.w).max(), 1e-12, "turning of a body that may not turn, rad + rad/s"
+    pushed = Scene(
+        (Body("b", Box((0.2, 0.3, 0.4)), 1.0, (0.0, 0.0, 1.0), tilted, (1.0, 0.0, 0.0)),),
+        tuple(e for e in (Gravity(), push) if type(e) in engine.effects),
+    )
+    # on its edge from the first step on: 0.1 sin 0.3 + 0.2 cos 0.3 = 0.2206 m high
+    standing = Body("b", Box((0.2, 0.3, 0.4)), 1.0, (0.0, 0.0, 0.2206), tilted, (0.3, 0.0, -1.0))
+    struck = Scene(
+        (Body("floor", HalfSpace()), standing),
+        tuple(e for e in (Gravity(), Friction(0.5), Restitution(0.5)) if type(e) in engine.effects),
+    )
+    turned = 0.0
+    for scene in (pushed, struck):
+        motion = _drive(engine, scene, (0.0, 0.5), optional=scene is struck)
+        turned += _turned(motion) + float(np.abs(motion.w).max())
+    return turned, 1e-12, "turning of a body that is pushed and struck but may not turn, rad + rad/s"
 
 
 @_law("spins with Rotation")

@@ -419,7 +419,7 @@ class MuJoCo:
         Raises
         ------
         Diverged
-            If MuJoCo counted a warning.
+            If MuJoCo warned.
         """
         mj, model, data, clock = self._mujoco, world.model, world.data, world.clock
         steps = clock.steps(duration)
@@ -435,8 +435,8 @@ class MuJoCo:
                 self._step_pushed(world, steps)
         finally:
             mj.set_mju_user_warning(handler)
-        if any(w.number for w in data.warning):
-            raise Diverged(world.warnings[0] if world.warnings else "MuJoCo counted a warning")
+        if world.warnings:
+            raise Diverged(world.warnings[0])
 
     def _step_pushed(self, world: World, steps: int) -> None:
         clock = world.clock
@@ -452,10 +452,21 @@ class MuJoCo:
         """State in scene order, world frame; read from qpos and qvel, because MuJoCo's Cartesian data lag a step."""
         start = world.scene.start()
         x, q, v, w = start.x.copy(), start.q.copy(), start.v.copy(), start.w.copy()
-        hands = _Hands(self._mujoco, world)
-        hands.refresh()
-        for i in world.scene.moving:
-            x[i], q[i], v[i], w[i] = hands.motion(i)
+        moving = list(world.scene.moving)
+        if world.hinged:
+            hands = _Hands(self._mujoco, world)
+            hands.refresh()
+            for i in moving:
+                x[i], q[i], v[i], w[i] = hands.motion(i)
+        elif moving:
+            # every moving body has 3 or 7 coordinates and 3 or 6 velocities, in scene order
+            qpos, qvel = (a.reshape(len(moving), -1) for a in (world.data.qpos, world.data.qvel))
+            v[moving] = qvel[:, :3]
+            if world.turns:
+                x[moving], q[moving] = qpos[:, :3], qpos[:, 3:]
+                w[moving] = rotate(q[moving], qvel[:, 3:])
+            else:
+                x[moving] += qpos
         return State(world.clock.time, x, q, v, w)
 
     def contacts(self, world: World) -> list[ContactForce]:

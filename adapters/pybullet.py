@@ -217,7 +217,7 @@ class PyBullet:
         world = World(scene, client, Clock(float(knobs["dt"])), _substeps(knobs), [], [])
         for i in range(len(scene.bodies)):
             self._add(world, draft, i)
-        if draft.turns and self.maximal:
+        if self.maximal:
             # btRigidBody keeps the world inertia of the *shape* until it has been carried through a
             # step, so one is made before anything moves (the bodies still stand kilometres apart)
             p.stepSimulation(client)
