@@ -10,9 +10,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Protocol
 
+from adapters import archive
 from adapters.run import Failure, Run, sample_times
 from adapters.workers import MEMORY, TIMEOUT, Workers
-from comparisons.cell import Cell
+from comparisons.cell import Cell, cell_to_json
 from plumbline import run_folder
 from plumbline.fingerprint import fingerprint
 from plumbline.judging import absent, judged
@@ -158,7 +159,10 @@ class Execution:
         }
 
     def _reusable(self, folder: RunFolder, manifest: dict[str, Any]) -> dict[str, Cell]:
-        """Finished cells of the same key whose scenario still asks the same, timed as often as is asked now."""
+        """Finished cells of the same key whose scenario still asks the same, timed as often as is asked now.
+
+        Runs are kept, opinions are formed anew: the motions are judged as the comparisons judge now.
+        """
         cells = folder.finished()
         if not cells:
             return {}
@@ -166,14 +170,27 @@ class Execution:
             before = run_folder.read_manifest(self.folder)
         except run_folder.FolderError:
             return {}
-        manifest["wall_seconds"] = before.get("wall_seconds", 0.0)
         if self.options.rerun == "all":
             return {}
+        manifest["wall_seconds"] = before.get("wall_seconds", 0.0)
         asked = {label: told.get("question") for label, told in before.get("scenarios", {}).items()}
         now = {label: told["question"] for label, told in manifest["scenarios"].items()}
-        return {job.key: cells[job.key] for job in self.jobs
-                if job.key in cells and asked.get(job.scenario.name) == now[job.scenario.name]
-                and self._good_enough(cells[job.key])}  # fmt: skip
+        found = {job.key: self._judged_now(folder, job, cells[job.key]) for job in self.jobs
+                 if job.key in cells and asked.get(job.scenario.name) == now[job.scenario.name]
+                 and self._good_enough(cells[job.key])}  # fmt: skip
+        return {key: cell for key, cell in found.items() if cell is not None}
+
+    def _judged_now(self, folder: RunFolder, job: Job, cell: Cell) -> Cell | None:
+        """The cell as the comparisons judge its motion now; None if the motion cannot be read any more."""
+        if not cell.trace:
+            return cell
+        try:
+            new = judged(job, archive.read(self.folder / cell.trace), cell.trace)
+        except (OSError, archive.ArchiveError):
+            return None
+        if cell_to_json(new) != cell_to_json(cell):
+            folder.append(new)
+        return new
 
     def _good_enough(self, cell: Cell) -> bool:
         if cell.state in ("not-installed", "not-run") or judge_failed(cell):

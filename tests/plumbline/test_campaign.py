@@ -189,6 +189,26 @@ def test_a_cell_is_run_again_if_its_question_changed_or_it_is_to_be_timed_better
     assert results.cells[0].repeats == 3
 
 
+def test_cells_that_are_used_again_are_judged_by_todays_demands(jobs, tmp_path):
+    mine = [j for j in jobs if j.scenario.name == "projectile" and j.engine == "toy"]
+    assert execute(tmp_path, mine)[0].cells[0].state == "ok"
+    checks = tuple(replace(c, tolerance=-1.0, exact=-1.0) for c in mine[0].scenario.checks)
+    strict = [replace(j, scenario=replace(j.scenario, checks=checks)) for j in mine]
+    results, record = execute(tmp_path, strict)
+    assert record.ran == []
+    assert results.cells[0].state == "fail"
+    assert execute(tmp_path, mine)[0].cells[0].state == "ok"
+
+
+def test_a_cell_whose_motion_is_damaged_is_run_again(jobs, tmp_path):
+    mine = [j for j in jobs if j.scenario.name == "projectile" and j.engine == "toy"]
+    results, _ = execute(tmp_path, mine)
+    (tmp_path / results.cells[0].trace).write_text("gone")
+    results, record = execute(tmp_path, mine)
+    assert record.ran == [mine[0].key]
+    assert results.cells[0].state == "ok"
+
+
 def test_an_interrupted_campaign_is_valid_and_goes_on(jobs, tmp_path):
     mine = [j for j in jobs if j.engine.startswith("toy")]
     none, record = execute(tmp_path, mine, interrupt_after=2)
