@@ -12,7 +12,7 @@ import importlib
 import importlib.util
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from importlib import metadata
@@ -188,10 +188,18 @@ def source_of(name: str) -> Source:
     raise unknown("engine", name, names())
 
 
-def listings() -> tuple[Listing, ...]:
-    """Every engine there is, and every source that cannot be had with the reason; never raises."""
+def listings(only: Container[str] | None = None) -> tuple[Listing, ...]:
+    """Every engine there is, and every source that cannot be had with the reason; never raises.
+
+    Parameters
+    ----------
+    only : container of str, optional
+        Names of the sources to look at; the others are not imported.
+    """
     rows: list[Listing] = []
     for source in sources().values():
+        if only is not None and source.name not in only:
+            continue
         try:
             found = engines_of(source)
             rows += [Listing(name, str(e.version), "installed", "", "", source) for name, e in found.items()]
@@ -220,7 +228,7 @@ def select(patterns: Sequence[str] = ()) -> tuple[str, ...]:
     UnknownName
         For a pattern that matches nothing.
     """
-    known = names()
+    known = _likely(patterns) or names()
     for pattern in patterns:
         if not any(fnmatchcase(name, pattern.removeprefix("!")) for name in known):
             raise unknown("engine", pattern.removeprefix("!"), known)
@@ -231,6 +239,14 @@ def select(patterns: Sequence[str] = ()) -> tuple[str, ...]:
         for name in known
         if any(fnmatchcase(name, p) for p in wanted) and not any(fnmatchcase(name, p) for p in barred)
     )
+
+
+def _likely(patterns: Sequence[str]) -> tuple[str, ...]:
+    """Names of the engines of just the sources the patterns name, if they name engines plainly; else nothing."""
+    if not patterns or any(set("*?[!") & set(pattern) for pattern in patterns):
+        return ()
+    known = tuple(row.name for row in listings({part for p in patterns for part in (p, p.partition(":")[0])}))
+    return known if set(patterns) <= set(known) else ()
 
 
 def install_line(module: str, distribution: str) -> str:

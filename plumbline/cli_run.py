@@ -233,7 +233,7 @@ def show_plan(jobs: tuple[Job, ...], json_: bool) -> int:
     """Print the cells that would be run."""
     import json
 
-    from reports.numbers import settings_text
+    from reports.numbers import count, settings_text
 
     if json_:
         rows = [{"key": j.key, "scenario": j.scenario.name, "engine": j.engine, "version": j.version,
@@ -245,5 +245,5 @@ def show_plan(jobs: tuple[Job, ...], json_: bool) -> int:
         said = job.absent.reason if job.absent else settings_text(job.settings)
         click.echo(f"{job.scenario.name:<40} {job.engine:<22} {said}".rstrip())
     simulated = sum(j.scenario.duration for j in jobs if not j.absent)
-    click.echo(f"{len(jobs)} cells, {simulated:.0f} s of simulated time")
+    click.echo(f"{count(len(jobs), 'cell')}, {simulated:.0f} s of simulated time")
     return 0

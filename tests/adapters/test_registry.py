@@ -44,6 +44,14 @@ def test_an_engine_is_imported_when_asked_for(plug_in):
     assert sys.__dict__.pop("acme_was_here")
 
 
+def test_engines_asked_for_by_name_are_all_that_is_imported(plug_in, toys):
+    plug_in("import sys; sys.acme_was_here = True")
+    assert registry.select(["toy", "toy:shy"]) == ("toy", "toy:shy")
+    assert not hasattr(sys, "acme_was_here")
+    registry.names()
+    assert sys.__dict__.pop("acme_was_here")
+
+
 def test_a_mapping_gives_several_engines(toys):
     assert registry.engine("toy:faulty") is toys["toy:faulty"]
     assert set(registry.select(["toy*"])) == {"toy", "toy:faulty", "toy:shy"}
