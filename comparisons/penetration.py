@@ -51,8 +51,15 @@ def pose(trajectory: Trajectory, i: int) -> Pose:
 
 
 def close_pairs(scene: Scene, trajectory: Trajectory, margin: float = 0.0) -> Iterator[tuple[int, int]]:
-    """Pairs that may touch and whose swept boxes, widened by `margin` [m], meet: the others never come near."""
-    reach = np.array([bounding_radius(b.shape) for b in scene.bodies])[:, None] + margin
+    """Pairs that may touch and whose bounding balls, widened by `margin` [m], meet at some sample."""
+    radius = np.array([bounding_radius(b.shape) for b in scene.bodies])
+    reach = radius[:, None] + margin
     low, high = trajectory.x.min(axis=0) - reach, trajectory.x.max(axis=0) + reach
-    meet = ((low[:, None] <= high[None]) & (low[None] <= high[:, None])).all(axis=2)
-    return ((i, j) for i, j in scene.pairs() if meet[i, j])
+    meet = ((low[:, None] <= high[None]) & (low[None] <= high[:, None])).all(axis=2)  # the boxes they sweep
+    partners: dict[int, list[int]] = {}
+    for i, j in scene.pairs():
+        if meet[i, j]:
+            partners.setdefault(i, []).append(j)
+    for i, others in partners.items():
+        apart = np.linalg.norm(trajectory.x[:, others] - trajectory.x[:, i, None], axis=2).min(axis=0)
+        yield from ((i, j) for j, d in zip(others, apart, strict=True) if d <= radius[i] + radius[j] + 2.0 * margin)

@@ -8,9 +8,8 @@ carried back by the engine's `lead`, so that they belong to the same time as the
 
 Measured are impacts whose normal is beyond doubt: a sphere against a sphere or against anything
 fixed (against anything where nothing turns), and against a half-space a body that does not turn or that
-lands flat (then by its centre: what lands flat must not start to turn).
-Bodies on springs, rods, tethers and hinges, and scenes with drag, are left out: their accelerations are
-not known beforehand.
+lands flat (then by its centre: what lands flat must not start to turn).  Bodies on springs, rods,
+tethers and hinges, and scenes with drag, are left out: their accelerations are not known beforehand.
 
 An engine with time steps knows the time of an impact to one step h only, and while that passes gravity
 changes u: its e is uncertain by (1 + e) |a| h/|u|, with a the relative acceleration.  Too slow to tell
@@ -113,9 +112,9 @@ def impacts(scene: Scene, trajectory: Trajectory, lead: float = 0.0, step: float
     """
     reach = float(np.linalg.norm(trajectory.v, axis=2).max() * 2.0 * np.diff(trajectory.t).max())
     close = list(close_pairs(scene, trajectory, reach))
-    pairs = [_Pair.of(scene, trajectory, *ij, lead) for ij in close if _clear(scene, *ij)]
-    pairs = [pair for pair in pairs if pair.hits.any()]
-    return [_measured(pair, pairs, close, step) for pair in pairs]
+    pairs = [pair for ij in close if _clear(scene, *ij) and (pair := _Pair.of(scene, trajectory, *ij, lead)).hits.any()]
+    crowd = _Crowd.of(scene, trajectory, close, pairs)
+    return [_measured(pair, crowd, step) for pair in pairs]
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,7 +213,7 @@ def _hits(pair: _Pair) -> np.ndarray:
     return np.asarray((along > threshold) & (np.minimum(pair.gap[1:], pair.gap[:-1]) <= reach))
 
 
-def _measured(pair: _Pair, pairs: list[_Pair], close: list[tuple[int, int]], step: float) -> Impacts:
+def _measured(pair: _Pair, crowd: _Crowd, step: float) -> Impacts:
     asked = pair.scene.restitution(pair.a, pair.b)
     first, last = _windows(pair)
     t, span = pair.trajectory.t, pair.trajectory.t[last] - pair.trajectory.t[first]
@@ -233,8 +232,9 @@ def _measured(pair: _Pair, pairs: list[_Pair], close: list[tuple[int, int]], ste
     slack = (
         2.0 * step * np.abs(speed) + 2.0 * np.maximum(deepest, 0.0) + 1e-6 * (np.linalg.norm(r, axis=1) + np.abs(gap))
     )
-    good = inside & (speed > 0.0) & (np.abs(gap) <= slack) & _alone(pair, pairs, close, first, last, normal)
-    good &= _unturned(pair, first, last, speed, normal) & (last < len(t) - 1)
+    good = inside & (speed > 0.0) & (np.abs(gap) <= slack) & (last < len(t) - 1)
+    good &= _unturned(pair, first, last, speed, normal)
+    good[good] = _alone(pair, crowd, first[good], last[good], normal[good])
     e = (after - gain * free * (span - s)) / np.where(speed > 0.0, speed, 1.0)
     rows = ((t[first] + s)[good], e[good], np.abs(e - asked)[good], speed[good], (speed > limit)[good])
     return Impacts(*rows, int(np.count_nonzero((speed > 0.0) & ~good)))
@@ -274,43 +274,52 @@ def _windows(pair: _Pair) -> tuple[np.ndarray, np.ndarray]:
     return np.array([w[0] for w in windows]), np.array([w[1] for w in windows])
 
 
-def _alone(
-    pair: _Pair,
-    pairs: list[_Pair],
-    close: list[tuple[int, int]],
-    first: np.ndarray,
-    last: np.ndarray,
-    normal: np.ndarray,
-) -> np.ndarray:
-    """(K,) whether no third body had a part in the change of velocity along the normal."""
-    moving = {i for i in (pair.a, pair.b) if not pair.scene.bodies[i].fixed}
-    company = np.zeros(len(first), dtype=bool)
-    if len(moving) == 2:
+@dataclass(frozen=True)
+class _Crowd:
+    """Who may take part in an impact of two others."""
+
+    trajectory: Trajectory
+    radius: np.ndarray  # (n,) of the bounding balls [m]
+    reach: np.ndarray  # (T,) how far anything may get to anything between two samples [m]
+    touching: np.ndarray  # (n, n) whether the two come close at all
+    unclear: np.ndarray  # (n, n) whether they do, and their impacts are not measured
+    pushed: dict[int, list[_Pair]]  # by body: the pairs of it in which something pushes
+
+    @staticmethod
+    def of(scene: Scene, trajectory: Trajectory, close: list[tuple[int, int]], pairs: list[_Pair]) -> _Crowd:
+        count = len(scene.bodies)
+        touching, unclear = np.zeros((2, count, count), dtype=bool)
         for i, j in close:
-            if moving & {i, j} and {i, j} != moving:
-                near = _near(pair.scene, pair.trajectory, i, j)
-                company |= near[first] | near[last]
+            touching[i, j] = touching[j, i] = True
+            unclear[i, j] = unclear[j, i] = not _clear(scene, i, j)
+        pushed: dict[int, list[_Pair]] = {i: [p for p in pairs if i in (p.a, p.b)] for i in scene.moving}
+        # not the speed of the two themselves: what stands may be struck and strike on between two samples
+        reach = 2.0 * np.linalg.norm(trajectory.v, axis=2).max(axis=1) * np.diff(trajectory.t).max()
+        radius = np.array([bounding_radius(b.shape) for b in scene.bodies])
+        return _Crowd(trajectory, radius, reach, touching, unclear, pushed)
+
+    def near(self, i: int, rows: np.ndarray) -> np.ndarray:
+        """(K, n) whether body i may touch each of the others within an interval of the samples `rows`."""
+        apart = np.linalg.norm(self.trajectory.x[rows] - self.trajectory.x[rows, i, None], axis=2)
+        return np.asarray(self.touching[i] & (apart <= self.radius + self.radius[i] + self.reach[rows, None]))
+
+
+def _alone(pair: _Pair, crowd: _Crowd, first: np.ndarray, last: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """(K,) whether no third body had a part in the change of velocity along the normal."""
+    moving = [i for i in (pair.a, pair.b) if not pair.scene.bodies[i].fixed]
+    company = np.zeros(len(first), dtype=bool)
+    for i in moving:
+        near = crowd.near(i, first) | crowd.near(i, last)
+        near[:, [pair.a, pair.b]] = False
+        company |= (near if len(moving) == 2 else near & crowd.unclear[i]).any(axis=1)
+    if len(moving) == 2:
         return ~company | _balanced(pair, first, last, normal)
-    for other in pairs:
-        if other is not pair and moving & {other.a, other.b}:
+    for other in crowd.pushed[moving[0]]:
+        if other is not pair:
             for n, (i, j) in enumerate(zip(first, last, strict=True)):
                 rows = i + np.flatnonzero(other.hits[i:j])
                 company[n] |= bool((np.abs(other.normal[rows] @ normal[n]) > 0.01).any())
-    for i, j in close:
-        if moving & {i, j} and not _clear(pair.scene, i, j):
-            near = _near(pair.scene, pair.trajectory, i, j)
-            company |= near[first] | near[last]
     return ~company
-
-
-def _near(scene: Scene, trajectory: Trajectory, i: int, j: int) -> np.ndarray:
-    """(T,) whether two bodies may touch within an interval of samples."""
-    if HalfSpace in (type(scene.bodies[i].shape), type(scene.bodies[j].shape)):
-        return np.ones(len(trajectory), dtype=bool)
-    radii = bounding_radius(scene.bodies[i].shape) + bounding_radius(scene.bodies[j].shape)
-    # not the speed of these two: what stands may be struck and strike on between two samples
-    reach = 2.0 * np.linalg.norm(trajectory.v, axis=2).max(axis=1) * np.diff(trajectory.t).max()
-    return np.asarray(np.linalg.norm(trajectory.x[:, i] - trajectory.x[:, j], axis=1) <= radii + reach)
 
 
 def _balanced(pair: _Pair, first: np.ndarray, last: np.ndarray, normal: np.ndarray) -> np.ndarray:
