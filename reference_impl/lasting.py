@@ -19,7 +19,7 @@ from reference_impl.integrators import RungeKutta8, hermite, where
 from reference_impl.kernels import spin, spin_rate, turned
 from reference_impl.world import HELD, World
 
-DEEP = 1e-10  # overlap that sends a step back [smallest body size]
+DEEP = 1e-11  # overlap that sends a step back [smallest body size]
 SHORTEST = 1e-13  # step below which the motion is stuck [time scale]
 LONGEST = 1.0  # [time scale]
 SAFETY = 1.5  # on bounds of the accelerations within a step, which are sampled at its stages

@@ -20,8 +20,8 @@ from reference_impl.effects.resting import Island, Pose, carried, islands, push,
 from reference_impl.errors import MissingEffect, Stalled
 from reference_impl.world import FLYING, HELD, STILL, Collided, Held, World
 
-PART = 1e-9  # faster separation is separation [speed scale]
-RETURN = 1e-8  # a contact that is back within this time never parted [time scale]
+RETURN = 5e-6  # a contact that is back within this time never parted [time scale]
+RETURN_ALONE = 1e-8  # the same for a sphere with one contact
 ACCUMULATION = 1e-3  # bounces of a body that would all happen within this time are skipped [time scale]
 ACCUMULATION_ALONE = 1e-7  # the same for a sphere with one contact, whose bounces are cheap
 REST_SPEED = 1e-10  # [speed scale]
@@ -91,7 +91,7 @@ def _collide(world: World, contacts: Contacts, k: Kinematics, pose: Pose) -> Kin
         return k
     law, names = world.parts.law, world.scene.names
     worst = int(np.argmin(k.rate))
-    if law.restitution is None and k.rate[worst] < -PART * world.scales.speed:
+    if law.restitution is None and k.rate[worst] < -world.search.parting:
         a, b = contacts.kinds[worst, :2].tolist()
         why = f"bodies collide at {-k.rate[worst]:.6g} m/s"
         raise MissingEffect("Restitution", (names[a], names[b]), world.t, why)
@@ -102,7 +102,7 @@ def _collide(world: World, contacts: Contacts, k: Kinematics, pose: Pose) -> Kin
     e = np.zeros(len(contacts.kinds))
     if law.restitution is not None:
         e[:] = [law.restitution.of(names[a], names[b]) for a, b in contacts.kinds[:, :2].tolist()]
-    alone = len(e) == 1 and not (g[:, 3:6].any())
+    alone = _alone(g)
     limit = (ACCUMULATION_ALONE if alone else ACCUMULATION) * world.scales.time
 
     def restitution(u: np.ndarray) -> np.ndarray:
@@ -156,16 +156,20 @@ def kinetic_energy(world: World, pose: Pose) -> float:
 
 def _resting(world: World, contacts: Contacts, k: Kinematics) -> np.ndarray:
     """Which contacts stay: not parting, or back at once."""
-    speed = world.scales.speed
-    stays = k.rate <= PART * speed
-    if not stays.all():
-        pose = _pose(world)
-        island = _together(contacts, world)
-        g = island.rows(k, pose.x, pose.rotation, world.bodies)
-        closing = approach_acceleration(world, island, g, k, pose)
-        soon = 0.5 * closing * RETURN * world.scales.time
-        stays |= (k.rate <= soon) & (k.rate <= 1e-6 * speed)
-    return stays
+    stays = k.rate <= world.search.parting
+    if stays.all():
+        return stays
+    pose = _pose(world)
+    island = _together(contacts, world)
+    g = island.rows(k, pose.x, pose.rotation, world.bodies)
+    closing = approach_acceleration(world, island, g, k, pose)
+    moment = RETURN_ALONE if _alone(g) else RETURN
+    return stays | (k.rate <= 0.5 * closing * moment * world.scales.time)
+
+
+def _alone(g: np.ndarray) -> bool:
+    """Whether one contact of a body that it cannot turn is all there is: a sphere on its own."""
+    return len(g) == 1 and not g[:, 3:6].any()
 
 
 def _hold(world: World, lasting: Contacts, cluster: np.ndarray) -> None:

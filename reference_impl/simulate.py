@@ -31,6 +31,7 @@ from reference_impl.world import HELD, Scales, Settings, World
 
 TOUCH = 1e-9  # features closer than this touch [smallest body size]
 QUIET = 1e-12  # slower approach is none [speed scale]
+PART = 1e-9  # slower separation is none [speed scale]
 CROWD = 100_000  # events allowed within a thousandth of the scene's time scale
 
 
@@ -73,6 +74,7 @@ def begin(scene: Scene, settings: Settings | None = None, table: Table = IMPULSE
     search = Search(
         settings.time_of_contact, settings.tolerance * scales.length,
         max(TOUCH, 10.0 * settings.tolerance) * scales.length, QUIET * scales.speed,
+        PART * scales.speed,
     )  # fmt: skip
     world = World(scene, settings, parts, bodies, unloaded, motion_of(scene, bodies), scales,
                   Detector(scene, bodies, search), search)  # fmt: skip

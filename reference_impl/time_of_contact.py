@@ -33,13 +33,16 @@ EVALUATIONS = 5000  # of one call; a search that needs more goes on in the next 
 def parabola(gap: float, rate: float, acceleration: float) -> float:
     """First time s > 0 at which gap + rate s + ½ acceleration s² falls to zero [s]; inf if it never does.
 
-    A gap that is not positive counts as zero: the bodies touch, and meet again when they come back.
-    Each root is written in the form that does not cancel.
+    Bodies that part from a touch, or from an overlap by rounding, meet again when they come back to
+    zero.  Each root is written in the form that does not cancel.
     """
-    gap = max(gap, 0.0)
+    if rate <= 0.0:
+        gap = max(gap, 0.0)
     square = rate * rate - 2.0 * acceleration * gap
     if square < 0.0:
-        return math.inf
+        if gap > 0.0:
+            return math.inf
+        square = rate * rate  # an overlap that never opens counts as a touch
     root = math.sqrt(square)
     if rate < 0.0:
         return 2.0 * gap / (root - rate)
@@ -93,10 +96,10 @@ def bisection(gap: Callable[[float], float], low: float, high: float, tolerance:
 
 @kernel
 def _root(gap, rate, k):
-    """Least s > 0 with gap + rate s - k s²/2 = 0 for gap >= 0 [s]."""
+    """Least s > 0 at which gap + rate s - k s²/2 comes down to zero [s]; a negative gap must part (rate > 0)."""
     if k <= 0.0:
         return gap / -rate if rate < 0.0 else np.inf
-    root = math.sqrt(rate * rate + 2.0 * k * gap)
+    root = math.sqrt(max(rate * rate + 2.0 * k * gap, 0.0))
     if rate >= 0.0:
         return (rate + root) / k
     return 2.0 * gap / (root - rate)
@@ -107,8 +110,8 @@ def _safe(base, drift, fa, da, fb, db, k, tolerance, speed, mask, out):
     """Time in which no pair of corners can meet [s]; writes gap and rate of the pair that limits it.
 
     Corner i of a and j of b are `base` + fa[i] - fb[j] apart; masked pairs are not looked at.  A pair
-    within `tolerance` that does not approach faster than `speed` may come as close as -`tolerance`,
-    otherwise the search would stand still there.
+    within `tolerance` whose rate is below `speed` may come as close as -`tolerance`, otherwise the search
+    would stand still there.
     """
     safe = np.inf
     out[0], out[1] = np.inf, 0.0
@@ -118,8 +121,8 @@ def _safe(base, drift, fa, da, fb, db, k, tolerance, speed, mask, out):
                 continue
             gap = base + fa[i] - fb[j]
             rate = drift + da[i] - db[j]
-            room = max(gap, 0.0)
-            if gap <= tolerance and rate >= -speed:
+            room = gap if rate > speed else max(gap, 0.0)
+            if gap <= tolerance and abs(rate) <= speed:
                 room += tolerance
             if safe < np.inf and room + rate * safe - 0.5 * k * safe * safe >= 0.0:
                 continue
@@ -177,6 +180,7 @@ def approach_plane(
     speed,
     touching,
     reach,
+    parting,
 ):
     """Time until which a box or sphere a is clear of the half-space b, or the time it hits it.
 
@@ -185,7 +189,8 @@ def approach_plane(
     t, end : float
         Search from t to end [s].
     touching : bool
-        Corners within `reach` [m] at time t touch already and are left out.
+        Corners within `reach` [m] at time t that part no faster than `parting` [m/s] are left out: contact
+        forces hold them.
 
     Returns
     -------
@@ -211,7 +216,7 @@ def approach_plane(
         _shadow(corners, matrix(q), angular_velocity(q, rate), normal, zero, f, df)
         if touching and count == 1:
             for i in range(len(corners)):
-                mask[i, 0] = base + f[i] <= reach
+                mask[i, 0] = base + f[i] <= reach and drift + df[i] <= parting
         s = _safe(base, drift, f, df, none, none, k, tolerance, speed, mask, out)
         if t + s >= end:
             return end, CLEAR, count
@@ -280,12 +285,12 @@ def _toward(r, v, half, rb, wb, n, dn):
 @kernel
 def approach_convex(
     t, end, begin_a, xs_a, qs_a, half_a, radius_a, bounds_a, begin_b, xs_b, qs_b, half_b, radius_b, bounds_b,
-    tolerance, speed, touching, reach
+    tolerance, speed, touching, reach, parting
 ):  # fmt: skip
     """Time until which two bodies are clear of each other, or the time they hit; a sphere must be body a.
 
     Parameters and result as in `approach_plane`.  With `touching` (boxes only) the axis that
-    separates them at time t is kept, and corners within `reach` along it are left out.
+    separates them at time t is kept, and corners are left out as there.
     """
     ca, cb = _corners(half_a), _corners(half_b)
     fa, da, fb, db = np.empty(len(ca)), np.empty(len(ca)), np.empty(len(cb)), np.empty(len(cb))
@@ -323,8 +328,7 @@ def approach_convex(
             best = separations(ra, half_a, rb, half_b, r, values)
             if touching and kept < 0:
                 kept = best
-        safe = 0.0
-        limit[0], limit[1] = -np.inf, 0.0
+        safe = -1.0
         for k in range(15 if boxes else 1):
             if boxes:
                 if kept >= 0:
@@ -344,7 +348,7 @@ def approach_convex(
             if kept >= 0 and count == 1:
                 for i in range(8):
                     for j in range(8):
-                        mask[i, j] = base + fa[i] - fb[j] <= reach
+                        mask[i, j] = base + fa[i] - fb[j] <= reach and drift + da[i] - db[j] <= parting
             turn = norm(dn)
             bound = turn * turn * far + 2.0 * turn * quick + pull
             bound += size_a * ((turn + bounds_a[4]) ** 2 + bounds_a[5])
@@ -355,8 +359,10 @@ def approach_convex(
                 limit[0], limit[1] = out[0], out[1]
         if t + safe >= end:
             return end, CLEAR, count
-        if limit[0] <= tolerance and limit[1] < -speed:
+        if safe >= 0.0 and limit[0] <= tolerance and limit[1] < -speed:
             return t + safe, HIT, count
+        if safe < 0.0:  # the centre of a sphere lies within the body: nothing separates them
+            return t, HIT, count
         t += max(safe, 1e-16 * (1.0 + abs(t)))
     return t, TIRED, EVALUATIONS
 

@@ -58,12 +58,15 @@ class Search:
         Features closer than this touch [m].
     speed : float
         Slower approach counts as none [m/s].
+    parting : float
+        Slower separation of touching features counts as none [m/s].
     """
 
     method: str
     tolerance: float
     touch: float
     speed: float
+    parting: float
     evaluations: int = 0
 
 
@@ -214,14 +217,25 @@ class Detector:
     ) -> tuple[float, int, int]:
         from reference_impl.time_of_contact import approach_convex, approach_plane
 
-        s, speed, reach = self.bodies, self.search.speed, self.search.touch
+        s, (speed, reach, parting) = self.bodies, (self.search.speed, self.search.touch, self.search.parting)
         first = (m.begin[a], m.x_series[a], m.q_series[a], s.half[a], s.radius[a], m.bounds[a])
         if s.shape[b] == PLANE:
             return approach_plane(
-                t, end, *first, m.begin[b], m.x_series[b], s.normal[b], m.bounds[b], tolerance, speed, touching, reach
+                t,
+                end,
+                *first,
+                m.begin[b],
+                m.x_series[b],
+                s.normal[b],
+                m.bounds[b],
+                tolerance,
+                speed,
+                touching,
+                reach,
+                parting,
             )
         second = (m.begin[b], m.x_series[b], m.q_series[b], s.half[b], s.radius[b], m.bounds[b])
-        return approach_convex(t, end, *first, *second, tolerance, speed, touching, reach)
+        return approach_convex(t, end, *first, *second, tolerance, speed, touching, reach, parting)
 
     def gap(self, p: int, t: float, m: Motion) -> float:
         """Gap of pair p at time t of its segments [m]; between boxes, the separation along the best axis."""
