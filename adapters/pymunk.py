@@ -39,8 +39,7 @@ from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Sphere
 from mechanics.trajectory import State
 
-REACH = 1000.0  # half length of the thick segment that stands for a half-space [m]
-THICKNESS = 10.0  # its radius [m]
+GROUND = (1000.0, 10.0)  # half length and depth of the rectangle that stands for a half-space [m]
 AXIS = np.array([0.0, 1.0, 0.0])  # about which planar bodies turn
 
 
@@ -235,15 +234,16 @@ class Pymunk:
         return self._ground(world.scene, body, native)
 
     def _ground(self, scene: Scene, body: Body, native: Any) -> Any:
-        """Thick segment whose upper side lies in the plane of a half-space, under the middle of the moving bodies."""
+        """Rectangle whose upper side lies in the plane of a half-space, under the middle of the moving bodies."""
         assert isinstance(body.shape, HalfSpace)
         normal = rotate(np.array(body.orientation), np.array(body.shape.normal))[[0, 2]]
         along = np.array([normal[1], -normal[0]])
         middle = np.mean([scene.bodies[i].position for i in scene.moving] or [body.position], axis=0)
         shift = float(along @ (middle - body.position)[[0, 2]])
-        ends = [native.world_to_local(tuple(native.position + (s + shift) * along - THICKNESS * normal))
-                for s in (-REACH, REACH)]  # fmt: skip
-        return self._pymunk.Segment(native, *ends, THICKNESS)
+        corners = [
+            (shift + s * GROUND[0]) * along - d * GROUND[1] * normal for s, d in ((-1, 1), (1, 1), (1, 0), (-1, 0))
+        ]
+        return self._pymunk.Poly(native, [native.world_to_local(tuple(native.position + c)) for c in corners])
 
     def _set_coefficients(self, world: World, draft: Draft) -> None:
         """Coefficients as factors per shape where pymunk's product gives every pair its own, else pair by pair."""
@@ -437,15 +437,17 @@ ENGINES = {
             "pymunk",
             stock=False,
             knobs={"dt": TIME_STEPS, "iterations": (10.0, 50.0, 200.0), "substeps": (1.0, 2.0, 4.0, 8.0)},
-            defaults={"dt": 1e-3, "iterations": 50.0, "substeps": 1.0},
+            defaults={"dt": 1e-3, "iterations": 200.0, "substeps": 1.0},
             profile={
-                "iterations = 50 (knob)": "10 leave 3 mm of drift in a stack of ten",
-                "collision_slop = 0": "the default lets bodies sink by 0.1 m",
+                "iterations = 200 (knob)": "as many as PyBullet, which solves by the same method: in a stack of ten at "
+                "1 ms 10 leave 3.1 mm of drift, 50 leave 1.4 mm, 200 leave 0.6 mm",
+                "collision_slop = 0": "the default lets bodies sink by 0.1 m; a slop of 1 mm lets a smooth stack of ten "
+                "drift sixteen times as far",
                 "collision_bias = 1": "where no contact lasts (no Resting) there is no overlap to correct, and lifting "
                 "a bouncing ball out of the floor is work nobody did",
                 "error_bias = 0": "the default corrects joints slowly and damps a pendulum by 1 % in 3 s",
                 "moments from the scene": "pymunk's circle is a disc, the scene's sphere a ball",
-                "half-space = thick segment 2 km long": "pymunk has no plane",
+                "half-space = rectangle 2 km long": "pymunk has no plane; on a thick segment a stack drifts further",
             },
         ),
         Pymunk(
