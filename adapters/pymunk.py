@@ -441,8 +441,8 @@ ENGINES = {
             profile={
                 "iterations = 200 (knob)": "as many as PyBullet, which solves by the same method: in a stack of ten at "
                 "1 ms 10 leave 3.1 mm of drift, 50 leave 1.4 mm, 200 leave 0.6 mm",
-                "collision_slop = 0": "the default lets bodies sink by 0.1 m; a slop of 1 mm lets a smooth stack of ten "
-                "drift sixteen times as far",
+                "collision_slop = 0": "the default lets bodies sink by 0.1 m; with a slop of 1 mm a smooth stack of ten "
+                "drifts sixteen times as far",
                 "collision_bias = 1": "where no contact lasts (no Resting) there is no overlap to correct, and lifting "
                 "a bouncing ball out of the floor is work nobody did",
                 "error_bias = 0": "the default corrects joints slowly and damps a pendulum by 1 % in 3 s",

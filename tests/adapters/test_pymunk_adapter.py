@@ -178,7 +178,7 @@ def test_a_stack_stands_and_the_stock_profile_lets_it_shift():
         motion = drive(engine, scene, 3.0, **engine.defaults)
         drift.append(np.abs(motion.x[-1] - motion.x[0]).max())
     assert drift[0] < 3e-4
-    assert drift[1] > 1e-2
+    assert drift[1] > 3e-3
 
 
 def test_double_pendulum_of_hinges_keeps_its_energy():
