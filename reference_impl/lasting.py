@@ -13,10 +13,10 @@ import numpy as np
 from reference_impl.collide.detect import Contacts, kinematics, rotations
 from reference_impl.collide.features import margin
 from reference_impl.contact_problem import NoSolution
-from reference_impl.effects.resting import Island, Pose, Push, islands, push
+from reference_impl.effects.resting import Island, Pose, Push, islands, push, shift_bodies
 from reference_impl.errors import Stalled
 from reference_impl.integrators import RungeKutta8, hermite, where
-from reference_impl.kernels import spin, spin_rate, turned
+from reference_impl.kernels import spin, spin_rate
 from reference_impl.world import HELD, World
 
 DEEP = 1e-11  # overlap that sends a step back [smallest body size]
@@ -35,6 +35,9 @@ class _Flow:
         self.at = {i: 13 * k for k, i in enumerate(self.bodies)}
         self.active: list[np.ndarray | None] = [None] * len(self.groups)
         self.pushes: list[Push] = []
+        m = world.motion
+        pose = Pose.of(m.x, m.q, m.v, m.L, world.bodies)
+        self.gaps = [kinematics(g.contacts, pose.x, pose.rotation, pose.v, pose.w).gap for g in self.groups]
 
     def pack(self) -> np.ndarray:
         m = self.world.motion
@@ -230,33 +233,27 @@ def _overlap(world: World, flow: _Flow, t: float, y: np.ndarray) -> float:
 
 
 def _arrive(world: World, flow: _Flow, t: float, y: np.ndarray) -> None:
-    """Set the state of all bodies at the end of a step; held contacts are put back to gap zero."""
+    """Set the state of all bodies at the end of a step; held contacts keep their gap."""
     m = world.motion
     world.carry(t)
     for i, at in flow.at.items():
         m.x[i], m.v[i], m.L[i] = y[at : at + 3], y[at + 7 : at + 10], y[at + 10 : at + 13]
         q = y[at + 3 : at + 7]
         m.q[i] = q / math.sqrt(float(q @ q))
-    _close(world, flow)
+    _restore(world, flow)
     world.dirty[flow.bodies] = True
 
 
-def _close(world: World, flow: _Flow) -> None:
-    """Move bodies by what the integration left of a gap at the contacts that push, as little as possible."""
+def _restore(world: World, flow: _Flow) -> None:
+    """Take out what the integration changed of the gaps at the contacts that push.
+
+    They keep the gap they had: to close it would push a neighbour that has just arrived into overlap.
+    """
     m, b = world.motion, world.bodies
-    for group, p in zip(flow.groups, flow.pushes, strict=True):
+    for group, p, gap in zip(flow.groups, flow.pushes, flow.gaps, strict=True):
         loaded = p.force > 0.0
         if not loaded.any():
             continue
         pose = Pose.of(m.x, m.q, m.v, m.L, b)
         part = Island(group.bodies, group.contacts.chosen(loaded), group.index[loaded], group.place)
-        k = kinematics(part.contacts, pose.x, pose.rotation, pose.v, pose.w)
-        if not k.gap.any():
-            continue
-        g = part.rows(k, pose.x, pose.rotation, b)
-        length = np.sqrt(np.einsum("ij,ij->i", g, g))
-        shift = -np.linalg.lstsq(g / length[:, None], k.gap / length, rcond=1e-10)[0].reshape(-1, 6)
-        for at, i in enumerate(group.bodies):
-            m.x[i] += shift[at, :3] * math.sqrt(b.inverse_mass[i])
-            if b.quickness[i] > 0.0:
-                m.q[i] = turned(m.q[i], pose.rotation[i] @ (b.root[i] @ shift[at, 3:]))
+        shift_bodies(m, b, part, pose, gap[loaded])

@@ -16,7 +16,7 @@ import numpy as np
 from reference_impl.collide.detect import Contacts, Kinematics, kinematics
 from reference_impl.contact_problem import NoSolution
 from reference_impl.effects.impact import LAWS, Collision
-from reference_impl.effects.resting import Island, Pose, carried, islands, push, scaled_loads
+from reference_impl.effects.resting import Island, Pose, carried, islands, push, scaled_loads, shift_bodies
 from reference_impl.errors import MissingEffect, Stalled
 from reference_impl.world import FLYING, HELD, STILL, Collided, Held, World
 
@@ -197,6 +197,7 @@ def _hold(world: World, lasting: Contacts, cluster: np.ndarray) -> None:
         for i in island.bodies:
             world.mode[i] = STILL if at_rest else HELD
         if at_rest:
+            shift_bodies(world.motion, world.bodies, island, pose, np.zeros(len(p.force)))
             for i in island.bodies:
                 world.motion.v[i] = world.motion.L[i] = 0.0
                 world.audit.rests += 1

@@ -18,8 +18,8 @@ import numpy as np
 from reference_impl.collide.detect import Contacts, Kinematics, kinematics, rotations
 from reference_impl.collide.features import rows
 from reference_impl.contact_problem import solve
-from reference_impl.kernels import apply_transposed, spin
-from reference_impl.state import Bodies
+from reference_impl.kernels import apply_transposed, spin, turned
+from reference_impl.state import Bodies, Motion
 
 
 @dataclass(frozen=True)
@@ -156,3 +156,18 @@ def push(island: Island, pose: Pose, b: Bodies, solver: str, guess: np.ndarray |
         turn = b.inertia[i] @ (b.root[i] @ scaled[at, 3:])
         torque[at] = pose.rotation[i] @ turn + np.cross(pose.w[i], pose.L[i])
     return Push(answer.f, answer.a, acceleration, torque, answer.residual)
+
+
+def shift_bodies(m: Motion, b: Bodies, island: Island, pose: Pose, gap: np.ndarray) -> None:
+    """Move the bodies of an island, as little as possible in the metric of their masses, to these gaps [m]."""
+    k = kinematics(island.contacts, pose.x, pose.rotation, pose.v, pose.w)
+    excess = k.gap - gap
+    if not excess.any():
+        return
+    g = island.rows(k, pose.x, pose.rotation, b)
+    length = np.sqrt(np.einsum("ij,ij->i", g, g))
+    shift = -np.linalg.lstsq(g / length[:, None], excess / length, rcond=1e-10)[0].reshape(-1, 6)
+    for at, i in enumerate(island.bodies):
+        m.x[i] += shift[at, :3] * np.sqrt(b.inverse_mass[i])
+        if b.quickness[i] > 0.0:
+            m.q[i] = turned(m.q[i], pose.rotation[i] @ (b.root[i] @ shift[at, 3:]))
