@@ -21,9 +21,10 @@ from typing import Any
 import numpy as np
 
 from adapters.engine import Clock, ContactForce, Diverged, Knob, Refusal, Settings
+from adapters.mujoco_model import Draft, Modeller, smooth, tree
 from adapters.pushes import Motion, Push, pusher
-from adapters.translate import TIME_STEPS, anchor_speed, from_z, installed_version, joined
-from mechanics.arrays import Quat, Triple, Vec3
+from adapters.translate import TIME_STEPS, anchor_speed, installed_version
+from mechanics.arrays import Vec3
 from mechanics.effects import (
     Drag,
     Force,
@@ -37,28 +38,10 @@ from mechanics.effects import (
     Spring,
     Tether,
 )
-from mechanics.inertia import principal
-from mechanics.rotation import IDENTITY, conjugate, product, rotate, unrotate
-from mechanics.scene import Body, Scene
-from mechanics.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Sphere
+from mechanics.rotation import rotate, unrotate
+from mechanics.scene import Scene
+from mechanics.shapes import Mesh
 from mechanics.trajectory import State
-
-INTEGRATORS = {"Euler": "mjINT_EULER", "implicitfast": "mjINT_IMPLICITFAST", "RK4": "mjINT_RK4"}
-IMPEDANCE = (0.9999, 0.9999, 0.001, 0.5, 2.0)  # constant in depth; 0.9999 is the largest MuJoCo allows
-CORRECTION = 0.01  # share of the overlap undone per step: the largest with which a stack of 100 stands
-
-
-@dataclass
-class Draft:
-    """A world that is still a vacuum, and what has been switched on."""
-
-    scene: Scene
-    gravity: Triple = (0.0, 0.0, 0.0)
-    turns: bool = False
-    drags: list[Drag] = field(default_factory=list)
-    forces: list[Force] = field(default_factory=list)
-    links: list[Spring | Rod | Tether] = field(default_factory=list)
-    hinges: dict[int, tuple[int, Hinge]] = field(default_factory=dict)  # child -> (parent, hinge)
 
 
 @dataclass
@@ -133,7 +116,7 @@ class MuJoCo:
         """
         if settings["integrator"] != "auto":
             return settings
-        return {**settings, "integrator": "RK4" if _smooth(scene) else "Euler"}
+        return {**settings, "integrator": "RK4" if smooth(scene) else "Euler"}
 
     def lead(self, settings: Settings) -> float:
         """Half a step for the semi-implicit integrators, none for RK4 [s]."""
@@ -163,7 +146,7 @@ class MuJoCo:
         return None if Gravity in draft.scene.needs else self._integrator_note(draft.scene)
 
     def _integrator_note(self, scene: Scene) -> str | None:
-        if self.stock or not _smooth(scene):
+        if self.stock or not smooth(scene):
             return None
         return "integrator auto is RK4 here: nothing in this scene can touch"
 
@@ -205,7 +188,7 @@ class MuJoCo:
         if speed > 1e-9:
             raise Refusal(f"Hinge {effect.a!r}-{effect.b!r}: its two sides part at {speed:g} m/s at the start")
         if not draft.hinges:
-            draft.hinges.update(_tree(scene))
+            draft.hinges.update(tree(scene))
 
     def start(self, draft: Draft, knobs: Settings) -> World:
         """World compiled from the draft.
@@ -217,9 +200,9 @@ class MuJoCo:
         """
         mj, scene = self._mujoco, draft.scene
         settings = self.settle(knobs, scene)
-        if settings["integrator"] == "RK4" and not _smooth(scene) and not self.stock:
+        if settings["integrator"] == "RK4" and not smooth(scene) and not self.stock:
             raise Refusal("contacts, rods and tethers that act for one step are lost in RK4; use Euler or auto")
-        spec = self._spec(draft, settings)
+        spec = Modeller(mj, self.stock).spec(draft, settings)
         model = spec.compile()
         data = mj.MjData(model)
         bodies = [self._number(model, "mjOBJ_BODY", f"body{i}") for i in range(len(scene.bodies))]
@@ -232,150 +215,6 @@ class MuJoCo:
 
     def _number(self, model: Any, kind: str, name: str) -> int:
         return int(self._mujoco.mj_name2id(model, getattr(self._mujoco.mjtObj, kind), name))
-
-    def _spec(self, draft: Draft, settings: Settings) -> Any:
-        mj, scene = self._mujoco, draft.scene
-        spec = mj.MjSpec()
-        option = spec.option
-        option.timestep = float(settings["dt"])
-        option.gravity = draft.gravity
-        option.integrator = getattr(mj.mjtIntegrator, INTEGRATORS[str(settings["integrator"])])
-        option.iterations = int(settings["iterations"])
-        # without it a bad state is silently replaced by the initial one
-        option.disableflags = int(mj.mjtDisableBit.mjDSBL_AUTORESET)
-        if not self.stock:
-            option.cone = mj.mjtCone.mjCONE_ELLIPTIC
-            option.tolerance = float(settings["tolerance"])
-            option.enableflags = int(mj.mjtEnableBit.mjENBL_DIAGEXACT)
-        made: dict[int, Any] = {}
-        for i in _parents_first(scene, draft.hinges):
-            self._add(spec, draft, i, made)
-        for n, link in enumerate(draft.links):
-            self._tie(spec, draft, n, link, made)
-        if self.stock:
-            for a, b in joined(scene):
-                spec.add_exclude(bodyname1=f"body{scene.index(a)}", bodyname2=f"body{scene.index(b)}")
-        else:
-            for i, j in scene.pairs():
-                self._pair(spec, scene, i, j, float(settings["dt"]))
-        return spec
-
-    def _add(self, spec: Any, draft: Draft, i: int, made: dict[int, Any]) -> None:
-        """Body i with its joints and its shape."""
-        body = draft.scene.bodies[i]
-        parent, hinge = draft.hinges.get(i, (None, None))
-        above = None if parent is None or draft.scene.bodies[parent].fixed else draft.scene.bodies[parent]
-        frame = _frame(body, draft.turns)
-        position, orientation = np.array(body.position), frame
-        if above is not None:
-            base = np.array(above.orientation)
-            position = unrotate(base, position - np.array(above.position))
-            orientation = product(conjugate(base), frame)
-        holder = spec.worldbody if above is None else made[parent]
-        made[i] = child = holder.add_body(name=f"body{i}", pos=position, quat=orientation)
-        if not body.fixed:
-            self._let_move(child, body, i, draft.turns, hinge)
-            self._weigh(child, body)
-        if draft.scene.touching or self.stock:
-            self._shape(spec, child, draft, i, product(conjugate(frame), np.array(body.orientation)))
-
-    def _let_move(self, child: Any, body: Body, i: int, turns: bool, hinge: Hinge | None) -> None:
-        mj = self._mujoco
-        if hinge is not None:
-            q = np.array(body.orientation)
-            point = unrotate(q, np.subtract(hinge.point, body.position))
-            axis = unrotate(q, np.array(hinge.axis))
-            child.add_joint(name=f"joint{i}", type=mj.mjtJoint.mjJNT_HINGE, pos=point, axis=axis)
-        elif turns:
-            child.add_freejoint(name=f"joint{i}")
-        else:
-            for k, axis in enumerate(np.eye(3)):
-                child.add_joint(name=f"joint{i}{'' if k == 0 else f'.{k}'}", type=mj.mjtJoint.mjJNT_SLIDE, axis=axis)
-
-    def _weigh(self, child: Any, body: Body) -> None:
-        """Mass and inertia of the scene; a stock body gets its inertia from its shape unless the scene names one."""
-        if self.stock and body.inertia is None:
-            return
-        moments, axes = principal(body.inertia_tensor)
-        child.mass, child.inertia = body.mass, moments
-        # left unset they become the body's pose in its parent
-        child.ipos, child.iquat = np.zeros(3), axes
-        child.explicitinertial = True
-
-    def _shape(self, spec: Any, child: Any, draft: Draft, i: int, turned: Quat) -> None:
-        kind, body = self._mujoco.mjtGeom, draft.scene.bodies[i]
-        form: dict[str, Any] = {}
-        match body.shape:
-            case Sphere(radius):
-                form = {"type": kind.mjGEOM_SPHERE, "size": (radius, 0.0, 0.0)}
-            case Box(size):
-                form = {"type": kind.mjGEOM_BOX, "size": [0.5 * s for s in size]}
-            case Capsule(radius, length):
-                form = {"type": kind.mjGEOM_CAPSULE, "size": (radius, 0.5 * length, 0.0)}
-            case Cylinder(radius, length):
-                form = {"type": kind.mjGEOM_CYLINDER, "size": (radius, 0.5 * length, 0.0)}
-            case HalfSpace(normal):
-                form = {"type": kind.mjGEOM_PLANE, "size": (0.0, 0.0, 1.0)}
-                turned = product(turned, from_z(np.array(normal)))
-            case Mesh(vertices, triangles):
-                spec.add_mesh(name=f"mesh{i}", uservert=np.ravel(vertices), userface=np.ravel(triangles))
-                form = {"type": kind.mjGEOM_MESH, "meshname": f"mesh{i}"}
-        # fair: only the explicit pairs collide, so that coefficients belong to pairs
-        collide = int(self.stock and draft.scene.touching)
-        geom = child.add_geom(name=f"shape{i}", quat=turned, contype=collide, conaffinity=collide, **form)
-        if self.stock:
-            effect = draft.scene.effect(Friction)
-            geom.friction = [effect.coefficient if effect else 0.0, 0.005, 0.0001]
-            if not body.fixed:
-                geom.mass = body.mass
-
-    def _pair(self, spec: Any, scene: Scene, i: int, j: int, h: float) -> None:
-        """Contact parameters of one pair for the step h.
-
-        A pair that only rests slides as well: its friction gets 20 ms, because friction that acts
-        within one step lifts a sliding body (33 mm at 2 m/s, whatever the step).
-        """
-        e, mu = scene.restitution(i, j), scene.friction(i, j)
-        rests = Resting in scene.needs
-        slow = rests and e == 0.0
-        spec.add_pair(
-            geomname1=f"shape{i}",
-            geomname2=f"shape{j}",
-            condim=3 if mu > 0.0 else 1,
-            friction=[mu, mu, 0.0, 0.0, 0.0],
-            solref=[-CORRECTION / h**2 if rests else 0.0, -(1.0 + e) / h],
-            solreffriction=[0.02, 1.0] if slow else [0.0, -1.0 / h],
-            solimp=IMPEDANCE,
-        )
-
-    def _tie(self, spec: Any, draft: Draft, n: int, link: Spring | Rod | Tether, made: dict[int, Any]) -> None:
-        """A tendon between two anchors: elastic (Spring), of constant length (Rod), or limited (Tether)."""
-        mj, h = self._mujoco, spec.option.timestep
-        ends = []
-        for name, anchor in ((link.a, link.anchor_a), (link.b, link.anchor_b)):
-            i = draft.scene.index(name)
-            body = draft.scene.bodies[i]
-            local = rotate(product(conjugate(_frame(body, draft.turns)), np.array(body.orientation)), np.array(anchor))
-            ends.append(f"site{n}{len(ends)}")
-            made[i].add_site(name=ends[-1], pos=local)
-        tendon = spec.add_tendon(name=f"tendon{n}")
-        for end in ends:
-            tendon.wrap_site(end)
-        match link:
-            case Spring():
-                # both are polynomials in MuJoCo 4; the scene's are linear
-                tendon.stiffness, tendon.damping = [link.stiffness, 0.0, 0.0], [link.damping, 0.0, 0.0]
-                tendon.springlength = [link.length, link.length]
-            case Rod():
-                rod = spec.add_equality(type=mj.mjtEq.mjEQ_TENDON, name1=f"tendon{n}")
-                if not self.stock:
-                    # the whole error in one step: no rebound is there to be falsified
-                    rod.solref, rod.solimp = [-1.0 / h**2, -1.0 / h], IMPEDANCE
-            case Tether():
-                tendon.limited, tendon.range = True, [0.0, link.length]
-                if not self.stock:
-                    tendon.solref_limit = [-CORRECTION / h**2, -(1.0 + link.restitution) / h]
-                    tendon.solimp_limit = IMPEDANCE
 
     def _set_motion(self, world: World, draft: Draft) -> None:
         model, data, scene = world.model, world.data, world.scene
@@ -520,52 +359,6 @@ class _Hands:
 
     def push(self, i: int, force: Vec3, torque: Vec3) -> None:
         self.world.data.xfrc_applied[self.world.bodies[i]] += np.concatenate([force, torque])
-
-
-def _smooth(scene: Scene) -> bool:
-    """Whether nothing in the scene acts within one step: no contacts, rods or tethers."""
-    return not scene.touching and scene.needs.isdisjoint({Rod, Tether})
-
-
-def _frame(body: Body, turns: bool) -> Quat:
-    """Orientation of the frame MuJoCo has for a body: the world's if the body slides without turning."""
-    return np.array(body.orientation if turns or body.fixed else IDENTITY)
-
-
-def _tree(scene: Scene) -> dict[int, tuple[int, Hinge]]:
-    """Child -> (parent, hinge) of the trees that the hinges form, grown from the fixed bodies first.
-
-    Raises
-    ------
-    Refusal
-        If hinges close a loop.
-    """
-    edges: dict[int, list[tuple[int, Hinge]]] = {}
-    for hinge in scene.all(Hinge):
-        a, b = scene.index(hinge.a), scene.index(hinge.b)
-        edges.setdefault(a, []).append((b, hinge))
-        edges.setdefault(b, []).append((a, hinge))
-    found: dict[int, tuple[int, Hinge]] = {}
-    reached: set[int] = set()
-    for root in sorted(edges, key=lambda i: not scene.bodies[i].fixed):
-        front = [] if root in reached else [root]
-        reached.add(root)
-        while front:
-            parent = front.pop(0)
-            for child, hinge in edges[parent]:
-                if scene.bodies[child].fixed or found.get(parent, (None, None))[1] is hinge:
-                    continue
-                if child in reached:
-                    raise Refusal(f"the hinges of {scene.names[child]!r} close a loop: MuJoCo's bodies form trees")
-                reached.add(child)
-                found[child] = parent, hinge
-                front.append(child)
-    return found
-
-
-def _parents_first(scene: Scene, hinges: Mapping[int, tuple[int, Hinge]]) -> list[int]:
-    order = [i for i in range(len(scene.bodies)) if i not in hinges]
-    return order + list(hinges)  # a tree is grown from its root: parents stand before their children
 
 
 _ITERATIONS = (5.0, 20.0, 100.0, 500.0)

@@ -8,31 +8,20 @@ with PyBullet 3.2.7.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 
-from adapters.engine import Clock, ContactForce, Refusal, Settings
-from adapters.pushes import Motion, Push, pusher
-from adapters.translate import (
-    TIME_STEPS,
-    anchor_speed,
-    factors,
-    from_z,
-    installed_version,
-    joined,
-    muted,
-    rests_only,
-)
-from mechanics.arrays import Quat, Triple, Vec3
+from adapters.engine import ContactForce, Refusal, Settings
+from adapters.pushes import Motion, pusher
+from adapters.pybullet_world import Builder, Draft, World, substeps, wxyz
+from adapters.translate import TIME_STEPS, anchor_speed, factors, installed_version, muted
+from mechanics.arrays import Vec3
 from mechanics.effects import (
     Drag,
-    Effect,
     Force,
     Friction,
     Gravity,
@@ -42,41 +31,10 @@ from mechanics.effects import (
     Rotation,
     Spring,
 )
-from mechanics.inertia import principal
-from mechanics.rotation import IDENTITY, conjugate, product, rotate, unrotate
-from mechanics.scene import Body, Scene
-from mechanics.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Sphere, bounding_radius
+from mechanics.rotation import conjugate, product
+from mechanics.scene import Scene
+from mechanics.shapes import Mesh
 from mechanics.trajectory import State
-
-GROUND = (500.0, 50.0)  # half width and half height of the box that stands for a half-space [m]
-FREE_SPEED = 1e9  # clamp of the multibody solver raised out of reach [m/s, rad/s]
-STIFF = 1e12  # largest force of a hinge [N]: none
-
-
-@dataclass
-class Draft:
-    """A world that is still a vacuum, and what has been switched on."""
-
-    scene: Scene
-    gravity: Triple = (0.0, 0.0, 0.0)
-    turns: bool = False
-    restitution: tuple[float, ...] = ()
-    friction: tuple[float, ...] = ()
-    pushes: list[Effect] = field(default_factory=list)
-    hinges: list[Hinge] = field(default_factory=list)
-
-
-@dataclass
-class World:
-    """A client with its bodies, in scene order; `axes` turn PyBullet's body frames into the scene's."""
-
-    scene: Scene
-    client: int
-    clock: Clock
-    substeps: int
-    ids: list[int]
-    axes: list[Quat | None]
-    pushes: list[Push] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -87,10 +45,12 @@ class _Hands:
     world: World
 
     def motion(self, i: int) -> Motion:
-        uid, axes = self.world.ids[i], self.world.axes[i]
-        x, xyzw = self.bullet.getBasePositionAndOrientation(uid, self.world.client)
+        uid, axes, body = self.world.ids[i], self.world.axes[i], self.world.scene.bodies[i]
+        if body.fixed:  # a half-space is a box somewhere below
+            return Motion(np.array(body.position), np.array(body.orientation), np.zeros(3), np.zeros(3))
+        x, native = self.bullet.getBasePositionAndOrientation(uid, self.world.client)
         v, w = self.bullet.getBaseVelocity(uid, self.world.client)
-        q = _wxyz(xyzw) if axes is None else product(_wxyz(xyzw), conjugate(axes))
+        q = wxyz(native) if axes is None else product(wxyz(native), conjugate(axes))
         return Motion(np.array(x), q, np.array(v), np.array(w))
 
     def push(self, i: int, force: Vec3, torque: Vec3) -> None:
@@ -152,7 +112,7 @@ class PyBullet:
 
     def lead(self, settings: Settings) -> float:
         """Semi-implicit Euler: positions lead by half a (sub)step [s]."""
-        return float(settings["dt"]) / (2.0 * _substeps(settings))
+        return float(settings["dt"]) / (2.0 * substeps(settings))
 
     def vacuum(self, scene: Scene) -> Draft:
         """Draft in which nothing acts.
@@ -206,140 +166,13 @@ class PyBullet:
         p = self._bullet
         client = p.connect(p.DIRECT)
         try:
-            return self._build(draft, knobs, client)
+            world = Builder(p, self.maximal, self.stock).build(draft, knobs, client)
+            hands = _Hands(p, world)
+            world.pushes = [pusher(world.scene, effect, hands, world.clock.dt) for effect in draft.pushes]
+            return world
         except BaseException:
             p.disconnect(client)
             raise
-
-    def _build(self, draft: Draft, knobs: Settings, client: int) -> World:
-        p, scene = self._bullet, draft.scene
-        self._configure(client, scene, knobs)
-        world = World(scene, client, Clock(float(knobs["dt"])), _substeps(knobs), [], [])
-        for i in range(len(scene.bodies)):
-            self._add(world, draft, i)
-        if self.maximal:
-            # btRigidBody keeps the world inertia of the *shape* until it has been carried through a
-            # step, so one is made before anything moves (the bodies still stand kilometres apart)
-            p.stepSimulation(client)
-        for i in scene.moving:
-            self._place(world, i)
-        p.setGravity(*draft.gravity, physicsClientId=client)
-        for a, b in joined(scene):
-            p.setCollisionFilterPair(world.ids[scene.index(a)], world.ids[scene.index(b)], -1, -1, 0, client)
-        for hinge in draft.hinges:
-            self._join(world, hinge)
-        hands = _Hands(p, world)
-        world.pushes = [pusher(scene, effect, hands, world.clock.dt) for effect in draft.pushes]
-        return world
-
-    def _configure(self, client: int, scene: Scene, knobs: Settings) -> None:
-        p = self._bullet
-        p.setTimeStep(float(knobs["dt"]), physicsClientId=client)
-        settings: dict[str, float] = {"numSolverIterations": int(knobs["iterations"])}
-        if _substeps(knobs) > 1:
-            settings["numSubSteps"] = _substeps(knobs)
-        if not self.stock:
-            settings |= {"restitutionVelocityThreshold": 0.0, "contactSlop": 0.0, "solverResidualThreshold": 0.0}
-            if not rests_only(scene) and self.maximal:
-                settings |= {"useSplitImpulse": 1, "splitImpulsePenetrationThreshold": 0.0}
-            if Resting not in scene.needs or not (self.maximal or rests_only(scene)):
-                settings["contactERP"] = 0.0
-        p.setPhysicsEngineParameter(**settings, physicsClientId=client)
-
-    def _add(self, world: World, draft: Draft, i: int) -> None:
-        """Create body i; moving ones stand apart until `_place`, so that nothing touches before the start."""
-        p, body = self._bullet, world.scene.bodies[i]
-        axes = _principal_axes(body, draft.turns and not self.stock)
-        position, orientation = _ground_pose(world.scene, body) if self._boxed(body) else (body.position, None)
-        if orientation is None:
-            orientation = body.orientation if axes is None else product(np.array(body.orientation), axes)
-        if not body.fixed:
-            position = (0.0, 0.0, 1e4 * (i + 1))
-        shape = self._shape(body, axes, world.client) if world.scene.touching or self.stock else -1
-        uid = p.createMultiBody(
-            body.mass or 0.0, shape, -1, position, _xyzw(orientation),
-            useMaximalCoordinates=int(self.maximal), physicsClientId=world.client,
-        )  # fmt: skip
-        world.ids.append(uid)
-        world.axes.append(axes)
-        if not world.scene.touching and shape >= 0:
-            p.setCollisionFilterGroupMask(uid, -1, 0, 0, physicsClientId=world.client)
-        p.changeDynamics(uid, -1, **self._dynamics(draft, i), physicsClientId=world.client)
-
-    def _dynamics(self, draft: Draft, i: int) -> dict[str, Any]:
-        """Arguments of changeDynamics for body i."""
-        body = draft.scene.bodies[i]
-        settings: dict[str, Any] = {
-            "restitution": draft.restitution[i] if draft.restitution else 0.0,
-            "lateralFriction": draft.friction[i] if draft.friction else 0.0,
-        }
-        if not body.fixed:
-            # mass and inertia in one call: inertia alone makes the mass of a btRigidBody garbage
-            if not draft.turns:
-                settings |= {"mass": body.mass, "localInertiaDiagonal": (0.0, 0.0, 0.0)}
-            elif not self.stock or body.inertia is not None:
-                moments = principal(body.inertia_tensor)[0].tolist()
-                settings |= {"mass": body.mass, "localInertiaDiagonal": moments}
-        if not self.stock:
-            settings |= {"linearDamping": 0.0, "angularDamping": 0.0}
-            if not rests_only(draft.scene):
-                settings["contactProcessingThreshold"] = 0.0
-            if not self.maximal:
-                settings["maxJointVelocity"] = FREE_SPEED
-        return settings
-
-    def _boxed(self, body: Body) -> bool:
-        return isinstance(body.shape, HalfSpace) and not self.stock
-
-    def _shape(self, body: Body, axes: Quat | None, client: int) -> int:
-        p = self._bullet
-        frame: dict[str, Any] = {} if axes is None else {"collisionFrameOrientation": _xyzw(conjugate(axes))}
-        match body.shape:
-            case Sphere(radius):
-                form = {"shapeType": p.GEOM_SPHERE, "radius": radius}
-            case Box(size):
-                form = {"shapeType": p.GEOM_BOX, "halfExtents": [0.5 * s for s in size]}
-            case Capsule(radius, length):
-                form = {"shapeType": p.GEOM_CAPSULE, "radius": radius, "height": length}
-            case Cylinder(radius, length):
-                form = {"shapeType": p.GEOM_CYLINDER, "radius": radius, "height": length}
-            case Mesh(vertices):
-                form = {"shapeType": p.GEOM_MESH, "vertices": [list(v) for v in vertices]}
-            case HalfSpace(normal) if self.stock:
-                form = {"shapeType": p.GEOM_PLANE, "planeNormal": normal}
-            case HalfSpace():
-                form = {"shapeType": p.GEOM_BOX, "halfExtents": [GROUND[0], GROUND[0], GROUND[1]]}
-        return p.createCollisionShape(**form, **frame, physicsClientId=client)
-
-    def _place(self, world: World, i: int) -> None:
-        p, body, uid, axes = self._bullet, world.scene.bodies[i], world.ids[i], world.axes[i]
-        orientation = np.array(body.orientation)
-        turned = orientation if axes is None else product(orientation, axes)
-        p.resetBasePositionAndOrientation(uid, body.position, _xyzw(turned), physicsClientId=world.client)
-        p.resetBaseVelocity(uid, body.velocity, body.angular_velocity, physicsClientId=world.client)
-
-    def _join(self, world: World, hinge: Hinge) -> None:
-        """Two point-to-point constraints on the hinge's axis, as far apart as the longer arm is long."""
-        p, scene = self._bullet, world.scene
-        names = (hinge.a, hinge.b)
-        arms = [np.linalg.norm(np.subtract(hinge.point, scene.body(n).position)) for n in names]
-        sizes = [r for n in names if math.isfinite(r := bounding_radius(scene.body(n).shape))]
-        half = 0.5 * max([*arms, *sizes])
-        # a static parent must be of its own kind: PyBullet accepts no constraint with the world here
-        for side in (-half, half):
-            point = np.add(hinge.point, np.multiply(side, hinge.axis))
-            pivots = [self._local(world, scene.index(n), point) for n in names]
-            ids = [world.ids[scene.index(n)] for n in names]
-            constraint = p.createConstraint(
-                ids[0], -1, ids[1], -1, p.JOINT_POINT2POINT, (0, 0, 0), pivots[0], pivots[1],
-                physicsClientId=world.client,
-            )  # fmt: skip
-            p.changeConstraint(constraint, maxForce=STIFF, physicsClientId=world.client)
-
-    def _local(self, world: World, i: int, point: np.ndarray) -> list[float]:
-        """World point in the frame PyBullet has for body i."""
-        position, xyzw = self._bullet.getBasePositionAndOrientation(world.ids[i], world.client)
-        return unrotate(_wxyz(xyzw), point - np.array(position)).tolist()
 
     def advance(self, world: World, duration: float) -> None:
         """Whole steps closest to `duration` [s]; a bare loop where no effect needs a force per step."""
@@ -381,38 +214,6 @@ class PyBullet:
     def close(self, world: World) -> None:
         """Free the client (29 MB, 1024 slots in a process)."""
         self._bullet.disconnect(world.client)
-
-
-def _substeps(settings: Settings) -> int:
-    return int(settings.get("substeps", 1))
-
-
-def _xyzw(q: Any) -> list[float]:
-    w, x, y, z = (float(c) for c in q)
-    return [x, y, z, w]
-
-
-def _wxyz(q: Any) -> Quat:
-    x, y, z, w = q
-    return np.array([w, x, y, z])
-
-
-def _principal_axes(body: Body, turns: bool) -> Quat | None:
-    """What turns principal axes into body axes, or None where they are the same: PyBullet knows moments only."""
-    if body.fixed or not turns:
-        return None
-    axes = principal(body.inertia_tensor)[1]
-    return None if tuple(axes) == IDENTITY else axes
-
-
-def _ground_pose(scene: Scene, body: Body) -> tuple[list[float], Quat]:
-    """Pose of the box whose top face lies in the plane of a half-space, under the middle of the moving bodies."""
-    assert isinstance(body.shape, HalfSpace)
-    normal = rotate(np.array(body.orientation), np.array(body.shape.normal))
-    origin = np.array(body.position)
-    middle = np.mean([scene.bodies[i].position for i in scene.moving] or [origin], axis=0)
-    foot = middle - normal * float(normal @ (middle - origin))
-    return (foot - GROUND[1] * normal).tolist(), from_z(normal)
 
 
 def _hull_margin(scene: Scene) -> str | None:

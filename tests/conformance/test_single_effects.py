@@ -214,6 +214,15 @@ def test_spring_swings_at_its_frequency(engine):
 
 
 @every_engine
+def test_spring_may_hang_on_a_half_space(engine):
+    bob = Body("bob", Sphere(0.1), 2.0, (0.0, 0.0, -0.5))
+    ceiling = Body("ceiling", HalfSpace((0.0, 0.0, -1.0)), position=(0.0, 0.0, 1.0))
+    scene = Scene((ceiling, bob), (Spring("ceiling", "bob", 50.0, 1.5 - 2.0 * G / 50.0), Gravity()))
+    motion = drive(engine, scene, 0.5)
+    assert motion.x[-1, 1] == pytest.approx([0.0, 0.0, -0.5], abs=1e-12)
+
+
+@every_engine
 def test_spring_between_offset_anchors_conserves_momentum(engine):
     a = Body("a", Sphere(0.1), 1.0)
     b = Body("b", Sphere(0.1), 2.0, (1.2, 0.0, 0.1))
