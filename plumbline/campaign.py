@@ -60,7 +60,7 @@ class Options:
     jobs : int
         Engines that compute at the same time.
     repeats : int
-        Timed repeats of every cell; one is no measurement of cost.
+        Timed repeats of every cell, after a warm-up; with one there is no warm-up and no cost.
     timeout : float
         Of one cell [s]; then its process is killed.
     budget : float or None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import traceback
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +19,7 @@ from scenarios.scenario import Scenario
 def judged(job: Job, run: Run, trace: str = "") -> Cell:
     """Cell of a run.  What the judge cannot do is its own failure (stage "judge"), never the engine's."""
     try:
-        return explain(to_cell(job.scenario, run, trace=trace, reproduce=job.reproduce))
+        return _cell(job.scenario, run, trace, job.reproduce)
     except Exception as error:
         where = traceback.extract_tb(error.__traceback__)[-1]
         reason = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno})"
@@ -27,7 +28,17 @@ def judged(job: Job, run: Run, trace: str = "") -> Cell:
 
 def judged_again(scenario: Scenario, run: Run, cell: Cell) -> Cell:
     """The cell of an archived run as the comparisons judge it now."""
-    return replace(explain(to_cell(scenario, run, trace=cell.trace, reproduce=cell.reproduce)), key=cell.key)
+    return replace(_cell(scenario, run, cell.trace, cell.reproduce), key=cell.key)
+
+
+def _cell(scenario: Scenario, run: Run, trace: str, reproduce: str) -> Cell:
+    """Judged and explained.
+
+    A single run has no warm-up before it and is no measurement of cost: first runs took up to 90
+    times as long where an engine compiles as it goes, up to 5 times elsewhere.
+    """
+    cell = explain(to_cell(scenario, run, trace=trace, reproduce=reproduce))
+    return cell if cell.repeats > 1 else replace(cell, cost=math.nan, contention=math.nan)
 
 
 def absent(job: Job) -> Cell:

@@ -1,6 +1,7 @@
 """A campaign finishes whatever its engines do, writes each cell as it comes, and goes on where it stopped."""
 
 import json
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -187,6 +188,14 @@ def test_a_cell_is_run_again_if_its_question_changed_or_it_is_to_be_timed_better
     results, record = execute(tmp_path, longer, replace(OPTIONS, repeats=3))
     assert record.ran
     assert results.cells[0].repeats == 3
+    assert results.cells[0].cost > 0.0
+
+
+def test_a_single_run_is_no_measurement_of_cost(done):
+    right = cell(done[0], "projectile", "toy")
+    assert right.repeats == 1
+    assert math.isnan(right.cost)
+    assert math.isnan(right.contention)
 
 
 def test_cells_that_are_used_again_are_judged_by_todays_demands(jobs, tmp_path):

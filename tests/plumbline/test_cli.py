@@ -119,7 +119,7 @@ def test_findings_exit_1_unless_they_do_not_count(command):
     wrong = ["run", "-s", "projectile", "-e", "toy:faulty", "--set", "fault=nan", "--progress", "off", "--out", "run"]
     assert command(*wrong)[0] == 1
     assert command(*wrong, "--fail-on", "crash")[0] == 0
-    assert command(*wrong, "--fail-on", "none")[0] == 0
+    assert command(*wrong, "--fail-on", "harness")[0] == 0
 
 
 def test_nothing_selected_exits_5(command):
