@@ -13,7 +13,7 @@ import numpy as np
 from reference_impl.collide.detect import Contacts, kinematics, rotations
 from reference_impl.collide.features import margin
 from reference_impl.contact_problem import NoSolution
-from reference_impl.effects.resting import Island, Pose, Push, islands, push, shift_bodies
+from reference_impl.effects.resting import Island, Pose, Push, islands, push
 from reference_impl.errors import Stalled
 from reference_impl.integrators import RungeKutta8, hermite, where
 from reference_impl.kernels import spin, spin_rate
@@ -31,13 +31,12 @@ class _Flow:
     def __init__(self, world: World) -> None:
         self.world = world
         self.groups: list[Island] = islands(world.contacts, world.bodies)
-        self.bodies = sorted(i for group in self.groups for i in group.bodies)
+        self.bodies = sorted(i for group in self.groups for i in group.bodies.tolist())
         self.at = {i: 13 * k for k, i in enumerate(self.bodies)}
         self.active: list[np.ndarray | None] = [None] * len(self.groups)
         self.pushes: list[Push] = []
-        m = world.motion
-        pose = Pose.of(m.x, m.q, m.v, m.L, world.bodies)
-        self.gaps = [kinematics(g.contacts, pose.x, pose.rotation, pose.v, pose.w).gap for g in self.groups]
+        pose = Pose.now(world.motion, world.bodies)
+        self.gaps = [group.problem(pose, world.bodies).k.gap for group in self.groups]
 
     def pack(self) -> np.ndarray:
         m = self.world.motion
@@ -66,11 +65,12 @@ class _Flow:
         out = np.empty_like(y)
         self.pushes = []
         for number, group in enumerate(self.groups):
-            p = push(group, pose, world.bodies, world.settings.solver, self.active[number])
+            problem = group.problem(pose, world.bodies)
+            p = push(group, problem, pose, world.bodies, world.settings.solver, self.active[number])
             self.active[number] = p.force > 0.0
             self.pushes.append(p)
             world.audit.residual = max(world.audit.residual, p.residual)
-            for k, i in enumerate(group.bodies):
+            for k, i in enumerate(group.bodies.tolist()):
                 at = self.at[i]
                 out[at : at + 3] = pose.v[i]
                 out[at + 3 : at + 7] = spin_rate(q[i], pose.w[i])
@@ -249,11 +249,8 @@ def _restore(world: World, flow: _Flow) -> None:
 
     They keep the gap they had: to close it would push a neighbour that has just arrived into overlap.
     """
-    m, b = world.motion, world.bodies
     for group, p, gap in zip(flow.groups, flow.pushes, flow.gaps, strict=True):
         loaded = p.force > 0.0
-        if not loaded.any():
-            continue
-        pose = Pose.of(m.x, m.q, m.v, m.L, b)
-        part = Island(group.bodies, group.contacts.chosen(loaded), group.index[loaded], group.place)
-        shift_bodies(m, b, part, pose, gap[loaded])
+        if loaded.any():
+            part = Island(group.bodies, group.contacts.chosen(loaded), group.place)
+            part.shift(world.motion, world.bodies, gap[loaded])

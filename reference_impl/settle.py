@@ -13,11 +13,12 @@ import math
 
 import numpy as np
 
-from reference_impl.collide.detect import Contacts, Kinematics, kinematics
+from reference_impl.collide.detect import Contacts
 from reference_impl.contact_problem import NoSolution
 from reference_impl.effects.impact import LAWS, Collision
-from reference_impl.effects.resting import Island, Pose, carried, islands, push, scaled_loads, shift_bodies
+from reference_impl.effects.resting import Island, Pose, Problem, Push, islands, nearest, push
 from reference_impl.errors import MissingEffect, Stalled
+from reference_impl.kernels import cross
 from reference_impl.world import FLYING, HELD, STILL, Collided, Held, World
 
 RETURN = 5e-6  # a contact that is back within this time never parted [time scale]
@@ -31,16 +32,19 @@ REST_ACCELERATION = 1e-9  # [speed scale / time scale]
 def settle(world: World) -> None:
     """Deal with every contact of the bodies that are dirty, and start their new motion."""
     cluster = world.dirty.copy()
-    pose = _pose(world)
+    pose = Pose.now(world.motion, world.bodies)
     contacts = world.detector.contacts(world.motion.x, pose.rotation, cluster)
     lasting = contacts.chosen(np.zeros(0, dtype=np.int64))
     world.mode[cluster] = FLYING
     if len(contacts.kinds):
-        k = kinematics(contacts, pose.x, pose.rotation, pose.v, pose.w)
-        world.audit.gap = min(world.audit.gap, float(k.gap.min()))
+        island = Island.of(contacts, world.bodies)
+        problem = island.problem(pose, world.bodies)
+        world.audit.gap = min(world.audit.gap, float(problem.k.gap.min()))
         world.audit.events += 1
-        k = _collide(world, contacts, k, pose)
-        lasting = contacts.chosen(_resting(world, contacts, k))
+        if (problem.k.rate < -world.search.speed).any():
+            _collide(world, island, problem)
+            problem = island.problem(Pose.now(world.motion, world.bodies), world.bodies)
+        lasting = contacts.chosen(_resting(world, problem))
     _hold(world, lasting, cluster)
     for i in np.flatnonzero(cluster & (world.mode != HELD)):
         world.launch(i)
@@ -48,61 +52,25 @@ def settle(world: World) -> None:
     world.dirty[:] = False
 
 
-def _pose(world: World) -> Pose:
-    m = world.motion
-    return Pose.of(m.x, m.q, m.v, m.L, world.bodies)
-
-
-def _together(contacts: Contacts, world: World) -> Island:
-    """All contacts as one group."""
-    free = sorted({i for i in contacts.kinds[:, :2].ravel().tolist() if world.bodies.inverse_mass[i] > 0.0})
-    place = np.full(len(world.mode), -1)
-    place[free] = np.arange(len(free))
-    return Island(free, contacts, np.arange(len(contacts.kinds)), place)
-
-
-def _scaled_velocity(world: World, bodies: list[int], pose: Pose) -> np.ndarray:
-    b, m = world.bodies, world.motion
-    out = np.empty((len(bodies), 6))
-    for at, i in enumerate(bodies):
-        out[at, :3] = m.v[i] / math.sqrt(b.inverse_mass[i])
-        out[at, 3:] = b.root[i].T @ (pose.rotation[i].T @ m.L[i])
-    return out.ravel()
-
-
-def approach_acceleration(world: World, island: Island, g: np.ndarray, k: Kinematics, pose: Pose) -> np.ndarray:
-    """Acceleration with which each contact would close if no contact force acted, -gap'' [m/s2]."""
-    b = world.bodies
-    fixed = np.where(b.inverse_mass[:, None] == 0.0, b.acceleration, 0.0)
-    free = g @ scaled_loads(island.bodies, pose, b)
-    return -(k.bias + free + carried(island.contacts.kinds[:, :2], k.normal, fixed))
-
-
-def _collide(world: World, contacts: Contacts, k: Kinematics, pose: Pose) -> Kinematics:
-    """Exchange impulses at the contacts that approach; kinematics afterwards.
+def _collide(world: World, island: Island, problem: Problem) -> None:
+    """Exchange impulses at the contacts that approach.
 
     Raises
     ------
     MissingEffect
         If bodies collide in a scene without Restitution.
     """
-    floor = world.search.speed
-    if not (k.rate < -floor).any():
-        return k
-    law, names = world.parts.law, world.scene.names
+    law, names, contacts, k = world.parts.law, world.scene.names, island.contacts, problem.k
     worst = int(np.argmin(k.rate))
     if law.restitution is None and k.rate[worst] < -world.search.parting:
         a, b = contacts.kinds[worst, :2].tolist()
         why = f"bodies collide at {-k.rate[worst]:.6g} m/s"
         raise MissingEffect("Restitution", (names[a], names[b]), world.t, why)
-    island = _together(contacts, world)
-    g = island.rows(k, pose.x, pose.rotation, world.bodies)
-    motion = _scaled_velocity(world, island.bodies, pose)
-    closing = approach_acceleration(world, island, g, k, pose)
+    closing = problem.closing()
     e = np.zeros(len(contacts.kinds))
     if law.restitution is not None:
         e[:] = [law.restitution.of(names[a], names[b]) for a, b in contacts.kinds[:, :2].tolist()]
-    alone = _alone(g)
+    alone = _alone(problem.g)
     limit = (ACCUMULATION_ALONE if alone else ACCUMULATION) * world.scales.time
 
     def restitution(u: np.ndarray) -> np.ndarray:
@@ -114,57 +82,50 @@ def _collide(world: World, contacts: Contacts, k: Kinematics, pose: Pose) -> Kin
             world.audit.last_bounce = world.t + float(left[0])
         return np.where(left < limit, 0.0, e)
 
-    drift = k.rate - g @ motion if world.moving else np.zeros(len(e))
+    drift = k.rate - problem.g @ problem.motion if world.moving else np.zeros(len(e))
+    collision = Collision(problem.g, problem.motion, drift, restitution, world.search.speed)
     try:
-        outcome = LAWS[world.settings.impact_law](Collision(g, motion, drift, restitution, floor))
+        outcome = LAWS[world.settings.impact_law](collision)
     except NoSolution as error:
         raise Stalled(f"impact: {error}", world.t) from None
-    _exchange(world, contacts, k, pose, outcome.impulses, outcome.passes)
-    after = _pose(world)
-    return kinematics(contacts, after.x, after.rotation, after.v, after.w)
+    world.audit.passes = max(world.audit.passes, outcome.passes)
+    before = kinetic_energy(world)
+    _exchange(world, island, problem, outcome.impulses)
+    if not world.moving:
+        world.audit.energy_rise = max(world.audit.energy_rise, kinetic_energy(world) - before)
 
 
-def _exchange(world: World, contacts: Contacts, k: Kinematics, pose: Pose, impulses: np.ndarray, passes: int) -> None:
+def _exchange(world: World, island: Island, problem: Problem, impulses: np.ndarray) -> None:
     """Add the impulses to the motion, and put them on record."""
-    b, m = world.bodies, world.motion
-    before = kinetic_energy(world, pose)
+    b, m, k = world.bodies, world.motion, problem.k
     for row, p in enumerate(impulses.tolist()):
         if p == 0.0:
             continue
-        ends = contacts.kinds[row, :2].tolist()
+        ends = island.contacts.kinds[row, :2].tolist()
         n, point = k.normal[row], k.point[row]
         for sign, i in zip((p, -p), ends, strict=True):
             m.v[i] += sign * b.inverse_mass[i] * n
             if b.quickness[i] > 0.0:
-                m.L[i] += sign * np.cross(point - m.x[i], n)
+                m.L[i] += sign * cross(point - m.x[i], n)
         world.events.append(Collided(world.t, ends[0], ends[1], tuple(point.tolist()), tuple(n.tolist()), p))
         world.audit.impacts += 1
-    world.audit.passes = max(world.audit.passes, passes)
-    if not world.moving:
-        rise = kinetic_energy(world, _pose(world)) - before
-        world.audit.energy_rise = max(world.audit.energy_rise, rise)
 
 
-def kinetic_energy(world: World, pose: Pose) -> float:
+def kinetic_energy(world: World) -> float:
     """Kinetic energy of all moving bodies [J]."""
-    b, m = world.bodies, world.motion
-    free = b.inverse_mass > 0.0
-    square = np.einsum("ij,ij->i", m.v[free], m.v[free])
-    turning = np.einsum("ij,ij->", pose.w[free], m.L[free])
-    return 0.5 * float((square / b.inverse_mass[free]).sum() + turning)
+    pose = Pose.now(world.motion, world.bodies)
+    free = world.bodies.inverse_mass > 0.0
+    square = (pose.v[free] ** 2).sum(axis=1) / world.bodies.inverse_mass[free]
+    return 0.5 * float(square.sum() + (pose.w[free] * pose.L[free]).sum())
 
 
-def _resting(world: World, contacts: Contacts, k: Kinematics) -> np.ndarray:
+def _resting(world: World, problem: Problem) -> np.ndarray:
     """Which contacts stay: not parting, or back at once."""
-    stays = k.rate <= world.search.parting
+    stays = problem.k.rate <= world.search.parting
     if stays.all():
         return stays
-    pose = _pose(world)
-    island = _together(contacts, world)
-    g = island.rows(k, pose.x, pose.rotation, world.bodies)
-    closing = approach_acceleration(world, island, g, k, pose)
-    moment = RETURN_ALONE if _alone(g) else RETURN
-    return stays | (k.rate <= 0.5 * closing * moment * world.scales.time)
+    moment = RETURN_ALONE if _alone(problem.g) else RETURN
+    return stays | (problem.k.rate <= 0.5 * problem.closing() * moment * world.scales.time)
 
 
 def _alone(g: np.ndarray) -> bool:
@@ -180,28 +141,25 @@ def _hold(world: World, lasting: Contacts, cluster: np.ndarray) -> None:
     MissingEffect
         If contact forces are needed and the scene declares no Resting.
     """
-    others = [h for h in world.forces if not (cluster[h.a] or cluster[h.b])]
-    world.forces = others
+    world.forces = [h for h in world.forces if not (cluster[h.a] or cluster[h.b])]
     world.contacts = lasting if len(lasting.kinds) else None
     for island in islands(lasting, world.bodies) if len(lasting.kinds) else []:
         _stop_parting(world, island)
-        pose = _pose(world)
-        k = kinematics(island.contacts, pose.x, pose.rotation, pose.v, pose.w)
+        pose = Pose.now(world.motion, world.bodies)
+        problem = island.problem(pose, world.bodies)
         try:
-            p = push(island, pose, world.bodies, world.settings.solver, _guess(world, island))
+            p = push(island, problem, pose, world.bodies, world.settings.solver, _guess(world, island))
         except NoSolution as error:
             raise Stalled(f"resting contact: {error}", world.t) from None
         world.audit.residual = max(world.audit.residual, p.residual)
         _require_resting(world, island, p.force)
         at_rest = _at_rest(world, island, p, pose)
-        for i in island.bodies:
-            world.mode[i] = STILL if at_rest else HELD
+        world.mode[island.bodies] = STILL if at_rest else HELD
         if at_rest:
-            shift_bodies(world.motion, world.bodies, island, pose, np.zeros(len(p.force)))
-            for i in island.bodies:
-                world.motion.v[i] = world.motion.L[i] = 0.0
-                world.audit.rests += 1
-        _record(world, island, k, p.force)
+            island.shift(world.motion, world.bodies, np.zeros(len(p.force)))
+            world.motion.v[island.bodies] = world.motion.L[island.bodies] = 0.0
+            world.audit.rests += len(island.bodies)
+        _record(world, island, problem, p.force)
     if world.contacts is not None:
         keep = (world.mode[lasting.kinds[:, 0]] == HELD) | (world.mode[lasting.kinds[:, 1]] == HELD)
         world.contacts = lasting.chosen(keep) if keep.any() else None
@@ -218,7 +176,8 @@ def _key(row: list[int]) -> tuple[int, int, int, int]:
     return row[0], row[1], 8 * row[2] + row[3], row[4]
 
 
-def _record(world: World, island: Island, k: Kinematics, force: np.ndarray) -> None:
+def _record(world: World, island: Island, problem: Problem, force: np.ndarray) -> None:
+    k = problem.k
     for row, f in enumerate(force.tolist()):
         whole = island.contacts.kinds[row].tolist()
         if f > 0.0:
@@ -232,17 +191,10 @@ def _record(world: World, island: Island, k: Kinematics, force: np.ndarray) -> N
 
 def _stop_parting(world: World, island: Island) -> None:
     """Take the last trace of normal velocity out of lasting contacts: the nearest motion without it, which has less energy."""
-    b, m = world.bodies, world.motion
-    pose = _pose(world)
-    k = kinematics(island.contacts, pose.x, pose.rotation, pose.v, pose.w)
-    if not k.rate.any():
-        return
-    g = island.rows(k, pose.x, pose.rotation, b)
-    length = np.sqrt(np.einsum("ij,ij->i", g, g))
-    change = -np.linalg.lstsq(g / length[:, None], k.rate / length, rcond=1e-10)[0].reshape(-1, 6)
-    for at, i in enumerate(island.bodies):
-        m.v[i] += change[at, :3] * math.sqrt(b.inverse_mass[i])
-        m.L[i] += pose.rotation[i] @ (b.inertia[i] @ (b.root[i] @ change[at, 3:]))
+    pose = Pose.now(world.motion, world.bodies)
+    problem = island.problem(pose, world.bodies)
+    if problem.k.rate.any():
+        island.change(world.motion, world.bodies, pose, nearest(problem.g, -problem.k.rate))
 
 
 def _require_resting(world: World, island: Island, force: np.ndarray) -> None:
@@ -257,14 +209,14 @@ def _require_resting(world: World, island: Island, force: np.ndarray) -> None:
         raise MissingEffect("Resting", world.names(a, b), world.t, "bodies stay in contact")
 
 
-def _at_rest(world: World, island: Island, p, pose: Pose) -> bool:  # noqa: ANN001
+def _at_rest(world: World, island: Island, p: Push, pose: Pose) -> bool:
     """Whether nothing of the island moves or is about to, so that it stays as it is until something touches it."""
     b, s = world.bodies, world.scales
     partners = {i for i in island.contacts.kinds[:, :2].ravel().tolist() if b.inverse_mass[i] == 0.0}
     if any(not world.static(i) for i in partners):
         return False
     pull = s.speed / s.time
-    for at, i in enumerate(island.bodies):
+    for at, i in enumerate(island.bodies.tolist()):
         reach = b.reach[i]
         if np.linalg.norm(pose.v[i]) + reach * np.linalg.norm(pose.w[i]) > REST_SPEED * s.speed:
             return False

@@ -10,41 +10,17 @@ normals and the rotation of the bodies bring (`bias` in `collide.features`).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from reference_impl.collide.detect import Contacts, Kinematics, kinematics, rotations
-from reference_impl.collide.features import rows
+from reference_impl.collide.detect import Contacts, Kinematics
+from reference_impl.collide.features import all_kinematics, rows
 from reference_impl.contact_problem import solve
-from reference_impl.kernels import apply_transposed, spin, turned
+from reference_impl.kernels import apply, apply_transposed, cross, dot, kernel, matrix, spin, turned
 from reference_impl.state import Bodies, Motion
-
-
-@dataclass(frozen=True)
-class Island:
-    """Contacts that act on each other through moving bodies.
-
-    Attributes
-    ----------
-    bodies : list of int
-        The moving bodies.
-    contacts : Contacts
-    place : (n,) array
-        Number of each body of the scene among `bodies`, or -1.
-    """
-
-    bodies: list[int]
-    contacts: Contacts
-    index: np.ndarray  # of the contacts among all
-    place: np.ndarray
-
-    def rows(self, k: Kinematics, x: np.ndarray, rotation: np.ndarray, b: Bodies) -> np.ndarray:
-        """Scaled contact rows G (contacts, 6 per body)."""
-        out = np.empty((len(self.contacts.kinds), 6 * len(self.bodies)))
-        rows(self.contacts.kinds, k.normal, k.point, x, rotation, b.root, b.inverse_mass, self.place, out)
-        return out
 
 
 class Pose(NamedTuple):
@@ -59,82 +35,126 @@ class Pose(NamedTuple):
     @staticmethod
     def of(x: np.ndarray, q: np.ndarray, v: np.ndarray, momentum: np.ndarray, b: Bodies) -> Pose:
         """From positions, quaternions, velocities and angular momenta."""
-        rotation = rotations(q)
-        w = np.zeros_like(v)
-        for i in np.flatnonzero(momentum.any(axis=1)):
-            w[i] = spin(rotation[i], b.inverse_inertia[i], momentum[i])
+        rotation, w = np.empty((len(x), 3, 3)), np.empty((len(x), 3))
+        _poses(q, momentum, b.inverse_inertia, rotation, w)
         return Pose(x, rotation, v, w, momentum)
+
+    @staticmethod
+    def now(m: Motion, b: Bodies) -> Pose:
+        """Of a motion as it stands."""
+        return Pose.of(m.x, m.q, m.v, m.L, b)
+
+
+class Problem(NamedTuple):
+    """Contacts of an island in scaled coordinates, in which a motion is (√m v, Bᵀ Rᵀ L), B Bᵀ = I⁻¹."""
+
+    k: Kinematics
+    g: np.ndarray  # (m, 6 bodies) contact rows G = J M^-1/2
+    free: np.ndarray  # (6 bodies,) scaled acceleration without contact forces
+    least: np.ndarray  # (m,) value of G times acceleration at which gap'' is zero [m/s2]
+    motion: np.ndarray  # (6 bodies,) scaled velocity
+
+    def closing(self) -> np.ndarray:
+        """Acceleration with which each gap would close if no contact force acted, -gap'' [m/s2]."""
+        return self.least - self.g @ self.free
 
 
 class Push(NamedTuple):
     """Contact forces of one island and the accelerations under them."""
 
     force: np.ndarray  # (m,) [N]
-    opening: np.ndarray  # (m,) gap'' [m/s2]
     acceleration: np.ndarray  # (bodies, 3) [m/s2]
     torque: np.ndarray  # (bodies, 3) rate of the angular momentum [N m]
     residual: float
 
 
+@dataclass(frozen=True)
+class Island:
+    """Contacts that act on each other through moving bodies.
+
+    Attributes
+    ----------
+    bodies : (k,) array of int
+        The moving bodies, in scene order.
+    contacts : Contacts
+    place : (n,) array of int
+        Number of each body of the scene among `bodies`, or -1.
+    """
+
+    bodies: np.ndarray
+    contacts: Contacts
+    place: np.ndarray
+
+    @staticmethod
+    def of(contacts: Contacts, b: Bodies) -> Island:
+        """All of these contacts together."""
+        ends = np.unique(contacts.kinds[:, :2])
+        bodies = ends[b.inverse_mass[ends] > 0.0]
+        place = np.full(len(b.inverse_mass), -1)
+        place[bodies] = np.arange(len(bodies))
+        return Island(bodies, contacts, place)
+
+    def problem(self, pose: Pose, b: Bodies) -> Problem:
+        """The contact problem of these contacts."""
+        m, width = len(self.contacts.kinds), 6 * len(self.bodies)
+        k = Kinematics(np.empty((m, 3)), np.empty((m, 3)), np.empty(m), np.empty(m), np.empty(m))
+        p = Problem(k, np.empty((m, width)), np.empty(width), np.empty(m), np.empty(width))
+        all_kinematics(self.contacts.kinds, self.contacts.reals, pose.x, pose.rotation, pose.v, pose.w, *k)
+        rows(self.contacts.kinds, k.normal, k.point, pose.x, pose.rotation, b.root, b.inverse_mass, self.place, p.g)
+        _scaled(self.bodies, pose.rotation, pose.v, pose.w, pose.L, b.inverse_mass, b.root, b.acceleration, b.drag,
+                b.torque, b.lever, b.spin_drag, p.motion, p.free)  # fmt: skip
+        _least(self.contacts.kinds, k.normal, k.bias, b.inverse_mass, b.acceleration, p.least)
+        return p
+
+    def change(self, motion: Motion, b: Bodies, pose: Pose, scaled: np.ndarray) -> None:
+        """Add a scaled velocity to the bodies."""
+        for at, i in enumerate(self.bodies.tolist()):
+            y = scaled[6 * at : 6 * at + 6]
+            motion.v[i] += y[:3] * math.sqrt(b.inverse_mass[i])
+            motion.L[i] += pose.rotation[i] @ (b.inertia[i] @ (b.root[i] @ y[3:]))
+
+    def shift(self, motion: Motion, b: Bodies, gap: np.ndarray) -> None:
+        """Move the bodies, as little as possible in the metric of their masses, to these gaps [m]."""
+        pose = Pose.now(motion, b)
+        p = self.problem(pose, b)
+        excess = p.k.gap - gap
+        if not excess.any():
+            return
+        y = nearest(p.g, -excess)
+        for at, i in enumerate(self.bodies.tolist()):
+            motion.x[i] += y[6 * at : 6 * at + 3] * math.sqrt(b.inverse_mass[i])
+            if b.quickness[i] > 0.0:
+                motion.q[i] = turned(motion.q[i], pose.rotation[i] @ (b.root[i] @ y[6 * at + 3 : 6 * at + 6]))
+
+
+def nearest(g: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """The smallest y with G y = target; the best there is if the rows contradict each other."""
+    length = np.sqrt(np.einsum("ij,ij->i", g, g))
+    return np.linalg.lstsq(g / length[:, None], target / length, rcond=1e-10)[0]
+
+
 def islands(contacts: Contacts, b: Bodies) -> list[Island]:
     """Contacts grouped so that no moving body is in two groups."""
-    n = len(b.inverse_mass)
-    leader = np.arange(n)
+    leader = list(range(len(b.inverse_mass)))
 
     def find(i: int) -> int:
         while leader[i] != i:
             leader[i] = leader[leader[i]]
             i = leader[i]
-        return int(i)
+        return i
 
-    ends = contacts.kinds[:, :2]
-    free = b.inverse_mass > 0.0
-    for i, j in ends.tolist():
+    ends = contacts.kinds[:, :2].tolist()
+    free = (b.inverse_mass > 0.0).tolist()
+    for i, j in ends:
         if free[i] and free[j]:
             leader[find(j)] = find(i)
     groups: dict[int, list[int]] = {}
-    for k, (i, j) in enumerate(ends.tolist()):
+    for k, (i, j) in enumerate(ends):
         groups.setdefault(find(i if free[i] else j), []).append(k)
-    out = []
-    for members in groups.values():
-        index = np.array(members)
-        bodies = sorted({i for i in ends[index].ravel().tolist() if free[i]})
-        place = np.full(n, -1)
-        place[bodies] = np.arange(len(bodies))
-        out.append(Island(bodies, contacts.chosen(index), index, place))
-    return out
+    return [Island.of(contacts.chosen(np.array(members)), b) for members in groups.values()]
 
 
-def scaled_loads(bodies: list[int], pose: Pose, b: Bodies) -> np.ndarray:
-    """Scaled acceleration without contact forces, (√m a, Bᵀ Rᵀ torque) of each body."""
-    out = np.empty((len(bodies), 6))
-    for k, i in enumerate(bodies):
-        out[k, :3] = (b.acceleration[i] - b.drag[i] * pose.v[i]) / np.sqrt(b.inverse_mass[i])
-        out[k, 3:] = b.root[i].T @ apply_transposed(pose.rotation[i], _torque(i, pose, b))
-    return out.ravel()
-
-
-def _torque(i: int, pose: Pose, b: Bodies) -> np.ndarray:
-    """Load torque minus the gyroscopic one, the rate at which ω must follow [N m]."""
-    torque = -np.cross(pose.w[i], pose.L[i])
-    if b.twisted[i]:
-        torque = torque + load_torque(i, pose, b)
-    return torque
-
-
-def load_torque(i: int, pose: Pose, b: Bodies) -> np.ndarray:
-    """Torque of the loads on body i, world frame [N m]."""
-    m = pose.rotation[i] @ b.lever[i]
-    axial = np.array([m[1, 2] - m[2, 1], m[2, 0] - m[0, 2], m[0, 1] - m[1, 0]])
-    return b.torque[i] + axial - b.spin_drag[i] * pose.w[i]
-
-
-def carried(ends: np.ndarray, normal: np.ndarray, of_fixed: np.ndarray) -> np.ndarray:
-    """n·(a's - b's) of a vector that only fixed bodies have (n, 3), for each contact."""
-    return np.einsum("ij,ij->i", normal, of_fixed[ends[:, 0]] - of_fixed[ends[:, 1]])
-
-
-def push(island: Island, pose: Pose, b: Bodies, solver: str, guess: np.ndarray | None = None) -> Push:
+def push(island: Island, problem: Problem, pose: Pose, b: Bodies, solver: str, guess: np.ndarray | None = None) -> Push:
     """Contact forces of an island and the motion they cause.
 
     Raises
@@ -142,32 +162,75 @@ def push(island: Island, pose: Pose, b: Bodies, solver: str, guess: np.ndarray |
     NoSolution
         If no forces keep the bodies apart.
     """
-    c = island.contacts
-    k = kinematics(c, pose.x, pose.rotation, pose.v, pose.w)
-    g = island.rows(k, pose.x, pose.rotation, b)
-    free = scaled_loads(island.bodies, pose, b)
-    fixed = np.where(b.inverse_mass[:, None] == 0.0, b.acceleration, 0.0)
-    answer = solve(g, free, -(k.bias + carried(c.kinds[:, :2], k.normal, fixed)), solver, guess)
-    scaled = answer.x.reshape(-1, 6)
-    acceleration = scaled[:, :3] * np.sqrt(b.inverse_mass[island.bodies])[:, None]
-    torque = np.empty_like(acceleration)
-    for at, i in enumerate(island.bodies):
-        # I B y is the body torque whose angular acceleration is R B y; add back ω × L, for L' = I α + ω × L
-        turn = b.inertia[i] @ (b.root[i] @ scaled[at, 3:])
-        torque[at] = pose.rotation[i] @ turn + np.cross(pose.w[i], pose.L[i])
-    return Push(answer.f, answer.a, acceleration, torque, answer.residual)
+    answer = solve(problem.g, problem.free, problem.least, solver, guess)
+    acceleration, torque = np.empty((len(island.bodies), 3)), np.empty((len(island.bodies), 3))
+    _unscaled(island.bodies, answer.x, pose.rotation, pose.w, pose.L, b.inverse_mass, b.inertia, b.root,
+              acceleration, torque)  # fmt: skip
+    return Push(answer.f, acceleration, torque, answer.residual)
 
 
-def shift_bodies(m: Motion, b: Bodies, island: Island, pose: Pose, gap: np.ndarray) -> None:
-    """Move the bodies of an island, as little as possible in the metric of their masses, to these gaps [m]."""
-    k = kinematics(island.contacts, pose.x, pose.rotation, pose.v, pose.w)
-    excess = k.gap - gap
-    if not excess.any():
-        return
-    g = island.rows(k, pose.x, pose.rotation, b)
-    length = np.sqrt(np.einsum("ij,ij->i", g, g))
-    shift = -np.linalg.lstsq(g / length[:, None], excess / length, rcond=1e-10)[0].reshape(-1, 6)
-    for at, i in enumerate(island.bodies):
-        m.x[i] += shift[at, :3] * np.sqrt(b.inverse_mass[i])
-        if b.quickness[i] > 0.0:
-            m.q[i] = turned(m.q[i], pose.rotation[i] @ (b.root[i] @ shift[at, 3:]))
+@kernel
+def _poses(q, momentum, inverse_inertia, rotation, w):
+    for i in range(len(q)):
+        m = matrix(q[i])
+        turn = spin(m, inverse_inertia[i], momentum[i])
+        for c in range(3):
+            w[i, c] = turn[c]
+            for d in range(3):
+                rotation[i, c, d] = m[c, d]
+
+
+@kernel
+def _scaled(
+    members, rotation, v, w, momentum, inverse_mass, root, acceleration, drag, torque, lever, spin_drag, motion, free
+):
+    """Scaled velocity and scaled acceleration by the loads alone."""
+    for at in range(len(members)):
+        i = members[at]
+        r = rotation[i]
+        # what turns the body beyond steady rotation: load torque - ω × L
+        t = cross(momentum[i], w[i])
+        # torque of world forces F at body points p: the axial vector of R Σ p Fᵀ
+        m = np.zeros((3, 3))
+        for c in range(3):
+            for d in range(3):
+                for e in range(3):
+                    m[c, d] += r[c, e] * lever[i, e, d]
+        t[0] += torque[i, 0] + m[1, 2] - m[2, 1] - spin_drag[i] * w[i, 0]
+        t[1] += torque[i, 1] + m[2, 0] - m[0, 2] - spin_drag[i] * w[i, 1]
+        t[2] += torque[i, 2] + m[0, 1] - m[1, 0] - spin_drag[i] * w[i, 2]
+        turn = apply_transposed(root[i], apply_transposed(r, t))
+        angular = apply_transposed(root[i], apply_transposed(r, momentum[i]))
+        heavy = math.sqrt(1.0 / inverse_mass[i])
+        for c in range(3):
+            motion[6 * at + c] = heavy * v[i, c]
+            motion[6 * at + 3 + c] = angular[c]
+            free[6 * at + c] = heavy * (acceleration[i, c] - drag[i] * v[i, c])
+            free[6 * at + 3 + c] = turn[c]
+
+
+@kernel
+def _least(kinds, normal, bias, inverse_mass, acceleration, least):
+    """Right-hand side of the acceleration problem: the velocities' part of gap'', and fixed bodies that accelerate."""
+    for k in range(len(kinds)):
+        a, b = kinds[k, 0], kinds[k, 1]
+        least[k] = -bias[k]
+        if inverse_mass[a] == 0.0:
+            least[k] -= dot(normal[k], acceleration[a])
+        if inverse_mass[b] == 0.0:
+            least[k] += dot(normal[k], acceleration[b])
+
+
+@kernel
+def _unscaled(members, scaled, rotation, w, momentum, inverse_mass, inertia, root, acceleration, torque):
+    """Accelerations and rates of angular momentum of a scaled acceleration.
+
+    I B y is the body torque whose angular acceleration is R B y; L' = I α + ω × L adds the rest.
+    """
+    for at in range(len(members)):
+        i = members[at]
+        gyroscopic = cross(w[i], momentum[i])
+        body = apply(rotation[i], apply(inertia[i], apply(root[i], scaled[6 * at + 3 : 6 * at + 6])))
+        for c in range(3):
+            acceleration[at, c] = scaled[6 * at + c] * math.sqrt(inverse_mass[i])
+            torque[at, c] = body[c] + gyroscopic[c]
