@@ -60,6 +60,10 @@ class _Outcome(Exception):
         self.passed, self.explanation = passed, explanation
 
 
+class _Refused(_Outcome):
+    """The engine refused the scene."""
+
+
 Verdict = tuple[float, float, str]  # measured, allowed, what it is
 LAWS: dict[str, Callable[[Engine], Verdict]] = {}
 
@@ -146,10 +150,10 @@ def _no_rotation(engine: Engine) -> Verdict:
         (Body("floor", HalfSpace()), standing),
         tuple(e for e in (Gravity(), Friction(0.5), Restitution(0.5)) if type(e) in engine.effects),
     )
-    turned = 0.0
-    for scene in (pushed, struck):
-        motion = _drive(engine, scene, (0.0, 0.5), optional=scene is struck)
-        turned += _turned(motion) + float(np.abs(motion.w).max())
+    motions = [_drive(engine, pushed, (0.0, 0.5))]
+    with suppress(_Refused):
+        motions.append(_drive(engine, struck, (0.0, 0.5)))
+    turned = max(_turned(motion) + float(np.abs(motion.w).max()) for motion in motions)
     return turned, 1e-12, "turning of a body that is pushed and struck but may not turn, rad + rad/s"
 
 
@@ -329,7 +333,7 @@ def _drive(
         return outcome
     if isinstance(outcome, Refusal):
         word = "not applicable: it refuses" if optional else "it refuses"
-        raise _Outcome(optional, f"{word} the scene ({outcome.reason})")
+        raise _Refused(optional, f"{word} the scene ({outcome.reason})")
     raise _Outcome(False, f"{outcome.state} in {outcome.stage}: {outcome.reason}")
 
 
