@@ -26,6 +26,7 @@ RANGE = 1e-11  # relative distance at which d counts as reachable, d = G y
 MANY = 80  # contacts from which OSQP is faster than non-negative least squares
 SECONDS = 10.0  # budget of one solver
 ITERATIONS = 20_000  # of OSQP
+CLEARLY = -1e-6  # multiplier, relative, of a bound that is active beyond doubt
 SWEEPS = 2_000  # of projected Gauss-Seidel
 
 Solver = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray | None], np.ndarray]
@@ -82,14 +83,14 @@ def osqp(g: np.ndarray, c: np.ndarray, d: np.ndarray, start: np.ndarray | None =
     from scipy import sparse
 
     scale = max(float(np.sqrt(c @ c)), float(np.abs(d).max()))
-    if (g @ c >= d).all():  # nothing pushes; OSQP would print that there is nothing to polish
+    if (g @ c >= d).all():
         return np.zeros(len(d))
     problem = _osqp(
         P=sparse.eye(len(c), format="csc"), q=-c / scale, A=sparse.csc_matrix(g), l=d / scale, u=np.full(len(d), np.inf)
     )
     if start is not None:
         problem.warm_start(x=(c + g.T @ start) / scale, y=-start / scale)
-    dual = problem.solve(raise_error=False).y
+    dual = _polished(problem).y
     return np.full(len(d), np.nan) if dual is None else np.maximum(-dual, 0.0) * scale
 
 
@@ -112,7 +113,7 @@ def osqp_dual(g: np.ndarray, c: np.ndarray, d: np.ndarray, start: np.ndarray | N
     )  # fmt: skip
     if start is not None:
         problem.warm_start(x=start / scale)
-    f = problem.solve(raise_error=False).x
+    f = _polished(problem).x
     return np.full(m, np.nan) if f is None else np.maximum(f, 0.0) * scale
 
 
@@ -120,10 +121,17 @@ def _osqp(**problem: Any) -> Any:
     import osqp as package
 
     solver = package.OSQP()
-    solver.setup(
-        **problem, eps_abs=1e-9, eps_rel=1e-9, polishing=True, max_iter=ITERATIONS, time_limit=SECONDS, verbose=False
-    )
+    solver.setup(**problem, eps_abs=1e-9, eps_rel=1e-9, max_iter=ITERATIONS, time_limit=SECONDS, verbose=False)
     return solver
+
+
+def _polished(problem: Any) -> Any:
+    """Result of a problem, polished where a bound is active; without one OSQP would print that there is none."""
+    result = problem.solve(raise_error=False)
+    if result.y is None or not (result.y < CLEARLY).any():
+        return result
+    problem.update_settings(polishing=True)
+    return problem.solve(raise_error=False)
 
 
 def dantzig(g: np.ndarray, c: np.ndarray, d: np.ndarray, start: np.ndarray | None = None) -> np.ndarray:
@@ -132,18 +140,20 @@ def dantzig(g: np.ndarray, c: np.ndarray, d: np.ndarray, start: np.ndarray | Non
     At every moment the contacts admitted so far solve their own problem: those in `held` have a = 0,
     those in `free` have f = 0 (Baraff 1994, section 4, frictionless).  Columns of A are formed as they
     are needed; the directions come from least squares on the rows of G, so that redundant contacts do no
-    harm.  About m pivots of a dense least-squares problem each: slow beyond a hundred contacts.
+    harm.  About m pivots of a dense least-squares problem each: slow beyond a hundred contacts, and in a
+    degenerate corner it may go round in circles, which the budget ends.
     """
     m = len(d)
     f = np.zeros(m)
     held: list[int] = []
     free: list[int] = []
     a = g @ c - d
-    tiny = 1e-14 * max(float(np.sqrt(c @ c)), float(np.abs(d).max()), 1e-300)
+    scale = max(float(np.sqrt(c @ c)), float(np.abs(d).max()), 1e-300)
     deadline = time.perf_counter() + SECONDS
     for new in range(m):
         for _ in range(20 * m + 20):
-            if a[new] >= -tiny:
+            # a redundant contact is pulled in by the rounding of all the others
+            if a[new] >= -1e-14 * m * max(scale, f.max()):
                 break
             if time.perf_counter() > deadline:
                 return np.full(m, np.nan)
