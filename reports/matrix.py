@@ -126,7 +126,8 @@ def _ratio(cell: Cell) -> str:
         return ""
     if cell.state in BROKEN:
         return f"at {short(cell.time)} s" if cell.time > 0.0 else cell.stage
-    return ratio_text(cell) or next((m.text for m in cell.measurements if m.text), "")
+    law = cell.of("impact law")  # where mechanics leaves the answer open, its name is the answer
+    return ", ".join(filter(None, (ratio_text(cell), law.text if law else "")))
 
 
 def _hover(cell: Cell) -> str:

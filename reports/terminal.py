@@ -71,6 +71,6 @@ def _table(shown: Matrix, places: list[int]) -> Table:
 def _text(entry: Entry | None) -> str:
     if entry is None:
         return ""
-    ratio = entry.ratio.replace("× tol", "×").removesuffix(" tol")
+    ratio = entry.ratio.replace("× tol", "×").replace(" tol", "")
     note = f" [{entry.note}]" if entry.note else ""
     return f"{entry.mark.glyph} {entry.mark.word} {ratio}".rstrip() + note
