@@ -1,0 +1,270 @@
+"""The contact problem with Coulomb friction, its solvers and its certificate.
+
+Contact i has a normal row and two tangent rows in G, scaled by the square root of the mass matrix, so that its
+relative motion is u_i = G_i x - d_i for x = c + Gᵀ r.  Signorini's condition, Coulomb's law and the rule that
+friction opposes the slip are together one complementarity of cones (de Saxcé and Feng, The bipotential method,
+1998):
+
+    r_i in K_i = {|r_T| <= µ_i r_n},    u_i + µ_i |u_T| n in K_i*,    r_i · (u_i + µ_i |u_T| n) = 0.
+
+It serves impulses and velocities as well as forces and accelerations.  A contact that slides already has the
+force f (n - µ s) along its slip direction s, and only its normal part is open.
+
+Three models of the cone can be chosen:
+
+    exact     the law above
+    pyramid   the circle of friction replaced by a regular polygon (Stewart and Trinkle, 1996): slip turns to its sides
+    convex    without the term µ |u_T| n (Anitescu, 2006): what slides also lifts off
+
+No solver is believed: every answer carries the natural-map residual of its own model.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from reference_impl.contact_problem import NoSolution
+from reference_impl.friction_solvers import newton, pivot, rate, relax, sweep
+
+GOOD = 1e-12  # certificate at which the search ends
+USABLE = 1e-9  # certificate above which an answer is refused
+SWEEPS = (30, 300, 3_000, 20_000)  # of non-smooth Gauss-Seidel, each followed by Newton's method
+MODELS = ("exact", "pyramid", "convex")
+OFF, HOLDS, SLIPS = 0, 1, 2
+RANK = 1e-12  # relative singular value below which contacts count as redundant
+
+
+class Answer(NamedTuple):
+    """Solution of a contact problem with friction."""
+
+    r: np.ndarray  # (m, 3) force or impulse along normal and both tangents
+    x: np.ndarray  # (k,) the motion in scaled coordinates
+    u: np.ndarray  # (m, 3) relative motion of the contacts
+    residual: float  # natural-map certificate, relative
+    solver: str  # whose answer it is
+
+
+class Rough(NamedTuple):
+    """A contact problem with friction; three rows per contact: normal and two tangents."""
+
+    g: np.ndarray  # (3 m, k) scaled contact rows
+    c: np.ndarray  # (k,) scaled motion without contacts
+    d: np.ndarray  # (3 m,) values of the rows at which the relative motion is zero
+    mu: np.ndarray  # (m,) coefficients of friction
+    slides: np.ndarray  # (m,) bool: slides along its first tangent already
+
+
+def solve(problem: Rough, model: str = "exact", sides: int = 4, guess: np.ndarray | None = None) -> Answer:
+    """Solution of a contact problem with friction, with its certificate.
+
+    Parameters
+    ----------
+    model : str
+        One of `MODELS`.
+    sides : int
+        Of the polygon of `pyramid`, from 4 on and even; its corners begin at the first tangent.
+    guess : (m,) array of int, optional
+        Expected state of each contact: OFF, HOLDS or (only one that slides) SLIPS; accepted with a good certificate only.
+
+    Raises
+    ------
+    NoSolution
+        If no solver reaches a usable certificate; for contacts that slide there may be no solution at all.
+    ValueError
+        For an unknown model or a polygon with too few or an odd number of sides.
+    """
+    if model not in MODELS:
+        raise ValueError(f"friction model = {model!r}; allowed: {', '.join(MODELS)}")
+    if sides < 4 or sides % 2:
+        raise ValueError(f"sides = {sides!r}; allowed: an even number from 4 on")
+    unit, length = _unit(problem)
+    if model == "pyramid":
+        best = _pyramid(unit, sides)
+    else:
+        best = _searched(unit, model == "convex", guess)
+    r, x, residual, solver = best
+    if not residual <= USABLE:
+        raise NoSolution(f"no solver solves the friction of {len(length)} contacts (best certificate {residual:.3g})")
+    u = (unit.g @ x - unit.d).reshape(-1, 3)
+    return Answer(r.reshape(-1, 3) / length[:, None], x, u * length[:, None], residual, solver)
+
+
+def residual(problem: Rough, r: np.ndarray, convex: bool = False) -> float:
+    """How far r (3 m,) is from a solution: max |r - P_K(r - u - µ|u_T| n)| over max(|c|, |d|), normal rows of unit length."""
+    x = problem.c + problem.g.T @ r
+    scale = max(float(np.sqrt(problem.c @ problem.c)), float(np.abs(problem.d).max()), 1e-300)
+    return rate(problem.g @ x - problem.d, r, problem.mu, problem.slides, convex) / scale
+
+
+def _unit(problem: Rough) -> tuple[Rough, np.ndarray]:
+    """The same problem with normal rows of unit length, and the lengths they had."""
+    normals = problem.g[::3]
+    length = np.sqrt(np.einsum("ij,ij->i", normals, normals))
+    scale = np.repeat(length, 3)
+    return problem._replace(g=np.ascontiguousarray(problem.g / scale[:, None]), d=problem.d / scale), length
+
+
+def _searched(p: Rough, convex: bool, guess: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, float, str]:
+    """The best answer of the portfolio: (r, x, residual, solver)."""
+    best = (np.zeros(len(p.d)), p.c, np.inf, "none")
+
+    def offer(r: np.ndarray, x: np.ndarray | None, name: str) -> bool:
+        nonlocal best
+        if np.isfinite(r).all():
+            value = residual(p, r, convex)
+            if value < best[2]:
+                best = (r, p.c + p.g.T @ r if x is None else x, value, name)
+        return best[2] <= GOOD
+
+    if guess is not None:
+        held = _held(p, guess, None)
+        if held is not None and offer(*held, "guess"):
+            return best
+    r = best[0].copy()
+    for sweeps in SWEEPS:
+        sweep(p.g, p.c, p.d, p.mu, p.slides, convex, r, sweeps)
+        for name in ("sweeps", "newton"):
+            if name == "newton":
+                r = newton(p.g, p.c, p.d, p.mu, p.slides, convex, best[0])
+            offer(r, None, name)
+            if not convex and np.isfinite(r).all():
+                held = _held(p, *_modes(p, r))
+                if held is not None:
+                    offer(*held, name)
+            if best[2] <= GOOD:
+                return best
+        if sweeps == SWEEPS[0] and p.slides.all() and offer(_sliding(p), None, "pivots"):
+            return best
+        r = best[0].copy() if np.isfinite(best[2]) else np.zeros(len(p.d))
+    for weight in (1.0, 0.1, 10.0):
+        r = relax(p.g, p.c, p.d, p.mu, p.slides, convex, best[0] if np.isfinite(best[2]) else r, weight)
+        if offer(r, None, "relaxation"):
+            return best
+        if offer(newton(p.g, p.c, p.d, p.mu, p.slides, convex, r), None, "newton"):
+            return best
+    return best
+
+
+def _modes(p: Rough, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """State of each contact under the forces r, and the direction its friction acts against (m, 2)."""
+    f = r.reshape(-1, 3)
+    size = np.sqrt(f[:, 1] ** 2 + f[:, 2] ** 2)
+    u = (p.g @ (p.c + p.g.T @ r) - p.d).reshape(-1, 3)
+    slip = np.sqrt(u[:, 1] ** 2 + u[:, 2] ** 2)
+    scale = max(float(np.abs(p.d).max()), float(np.sqrt(p.c @ p.c)), 1e-300)
+    push = f[:, 0] > 1e-13 * scale
+    edge = push & (size >= (1.0 - 1e-6) * p.mu * f[:, 0]) & (slip > 1e-9 * scale)
+    modes = np.where(push, np.where(edge | (p.mu == 0.0) | p.slides, SLIPS, HOLDS), OFF)
+    way = np.zeros((len(f), 2))
+    way[edge] = u[edge, 1:] / slip[edge, None]
+    way[p.slides] = (1.0, 0.0)
+    return modes, way
+
+
+def _held(p: Rough, modes: np.ndarray, way: np.ndarray | None) -> tuple[np.ndarray, np.ndarray] | None:
+    """Forces (3 m,) that hold what the modes say at exactly zero, and the motion under them; the smallest if not unique.
+
+    A contact that holds has all three relative motions zero; one that slips has its friction fixed to µ times
+    its normal force, against `way`.
+    """
+    m = len(p.mu)
+    on, hold = modes != OFF, modes == HOLDS
+    slip = modes == SLIPS
+    keep = np.zeros((m, 3), dtype=bool)
+    keep[on, 0] = True
+    keep[hold, 1:] = True
+    keep = keep.ravel()
+    r = np.zeros(3 * m)
+    if not keep.any():
+        return r, p.c
+    if way is None:
+        way = np.zeros((m, 2))
+        way[p.slides] = (1.0, 0.0)
+    rows, target = p.g[keep], p.d[keep]
+    columns = rows
+    if slip.any():
+        whole = p.g.reshape(m, 3, -1)
+        pushed = p.g.copy()
+        pushed[::3][slip] -= p.mu[slip, None] * np.einsum("ij,ijk->ik", way[slip], whole[slip, 1:])
+        columns = pushed[keep]
+    x = p.c
+    force = np.zeros(int(keep.sum()))
+    try:
+        if columns is rows:
+            u, s, vt = np.linalg.svd(rows, full_matrices=False)
+            rank = int((s > RANK * s[0]).sum())
+            u, s, vt = u[:, :rank], s[:rank], vt[:rank]
+            for _ in range(2):
+                change = (u.T @ target) / s - vt @ x
+                force += u @ (change / s)
+                x = x + vt.T @ change
+        else:
+            inverse = np.linalg.pinv(rows @ columns.T, rcond=RANK)
+            for _ in range(3):
+                change = inverse @ (target - rows @ x)
+                force += change
+                x = x + columns.T @ change
+    except np.linalg.LinAlgError:
+        return None
+    r[keep] = force
+    f = r.reshape(m, 3)
+    f[slip, 1:] = -(p.mu[slip] * f[slip, 0])[:, None] * way[slip]
+    return r, x
+
+
+def _sliding(p: Rough) -> np.ndarray:
+    """Forces of contacts that all slide: a linear complementarity problem that is not symmetric."""
+    normal, along = p.g[::3], p.g[1::3]
+    pushed = normal - p.mu[:, None] * along
+    f = pivot(normal @ pushed.T, normal @ p.c - p.d[::3])
+    r = np.zeros((len(p.mu), 3))
+    r[:, 0] = f
+    r[:, 1] = -p.mu * f
+    return r.ravel()
+
+
+def _pyramid(p: Rough, sides: int) -> tuple[np.ndarray, np.ndarray, float, str]:
+    """The problem with polygons instead of circles: (r, x, residual, solver).
+
+    Stewart and Trinkle's linear complementarity problem, unknowns f (normal), b_j >= 0 along the corners of the
+    polygon and s (slip speed): u_n >= 0, s + e_j·u_T >= 0, µ f - Σ b_j >= 0, each complementary to its unknown.
+    """
+    m = len(p.mu)
+    angle = 2.0 * np.pi * np.arange(sides) / sides
+    whole = p.g.reshape(m, 3, -1)
+    level = p.d.reshape(m, 3)
+    size = 2 + sides
+    rows, free = np.zeros((m * size, p.g.shape[1])), np.zeros(m * size)
+    columns = np.zeros_like(rows)
+    extra = np.zeros((m * size, m * size))
+    for i in range(m):
+        at = i * size
+        n, t = whole[i, 0], whole[i, 1:]
+        rows[at] = n
+        free[at] = n @ p.c - level[i, 0]
+        columns[at] = n - p.mu[i] * t[0] if p.slides[i] else n
+        if p.slides[i]:
+            extra[range(at + 1, at + size), range(at + 1, at + size)] = 1.0
+            continue
+        corners = np.cos(angle)[:, None] * t[0] + np.sin(angle)[:, None] * t[1]
+        rows[at + 1 : at + 1 + sides] = columns[at + 1 : at + 1 + sides] = corners
+        free[at + 1 : at + 1 + sides] = corners @ p.c - np.cos(angle) * level[i, 1] - np.sin(angle) * level[i, 2]
+        extra[at + 1 : at + 1 + sides, at + size - 1] = 1.0
+        extra[at + size - 1, at] = p.mu[i]
+        extra[at + size - 1, at + 1 : at + 1 + sides] = -1.0
+    matrix = rows @ columns.T + extra
+    z = pivot(matrix, free)
+    if not np.isfinite(z).all():
+        return np.zeros(3 * m), p.c, np.inf, "pivots"
+    scale = max(float(np.sqrt(p.c @ p.c)), float(np.abs(p.d).max()), 1e-300)
+    worth = float(np.abs(np.minimum(z, matrix @ z + free)).max()) / scale
+    z = z.reshape(m, size)
+    r = np.zeros((m, 3))
+    r[:, 0] = z[:, 0]
+    r[:, 1] = z[:, 1 : 1 + sides] @ np.cos(angle)
+    r[:, 2] = z[:, 1 : 1 + sides] @ np.sin(angle)
+    r[p.slides, 1] = -(p.mu * z[:, 0])[p.slides]
+    r[p.slides, 2] = 0.0
+    return r.ravel(), p.c + p.g.T @ r.ravel(), worth, "pivots"
