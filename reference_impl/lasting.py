@@ -13,7 +13,7 @@ import numpy as np
 from reference_impl.collide.detect import Contacts, kinematics, rotations
 from reference_impl.collide.features import margin
 from reference_impl.contact_problem import NoSolution
-from reference_impl.effects.resting import Island, Pose, Push, islands, push
+from reference_impl.effects.resting import Island, Pose, Push, islands, push, rounding
 from reference_impl.errors import Stalled
 from reference_impl.integrators import RungeKutta8, hermite, where
 from reference_impl.kernels import spin, spin_rate
@@ -86,7 +86,7 @@ class _Flow:
         for i, at in self.at.items():
             momentum = s.speed * s.length / b.inverse_mass[i]
             out[at : at + 13] = np.repeat([s.length, 1.0, s.speed, momentum], [3, 4, 3, 3])
-        return world.settings.tolerance * out
+        return max(world.settings.tolerance, 100.0 * rounding(b, np.array(self.bodies))) * out
 
 
 def step(world: World, limit: float) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from reference_impl.collide.detect import Contacts
 from reference_impl.contact_problem import NoSolution
 from reference_impl.effects.impact import LAWS, Collision
-from reference_impl.effects.resting import Island, Pose, Problem, Push, islands, nearest, push
+from reference_impl.effects.resting import Island, Pose, Problem, Push, islands, nearest, push, rounding
 from reference_impl.errors import MissingEffect, Stalled
 from reference_impl.kernels import cross
 from reference_impl.world import FLYING, HELD, STILL, Collided, Held, World
@@ -25,6 +25,7 @@ RETURN = 5e-6  # a contact that is back within this time never parted [time scal
 RETURN_ALONE = 1e-8  # the same for a sphere with one contact
 ACCUMULATION = 1e-3  # bounces of a body that would all happen within this time are skipped [time scale]
 ACCUMULATION_ALONE = 1e-7  # the same for a sphere with one contact, whose bounces are cheap
+ROUNDING = 1e-13  # forces below this part of the scaled weight are none
 REST_SPEED = 1e-10  # [speed scale]
 REST_ACCELERATION = 1e-9  # [speed scale / time scale]
 
@@ -105,7 +106,7 @@ def _exchange(world: World, island: Island, problem: Problem, impulses: np.ndarr
         n, point = k.normal[row], k.point[row]
         for sign, i in zip((p, -p), ends, strict=True):
             m.v[i] += sign * b.inverse_mass[i] * n
-            if b.quickness[i] > 0.0:
+            if b.quickness[i] > 0.0 and b.radius[i] == 0.0:  # at a sphere the normal passes through the centre
                 m.L[i] += sign * cross(point - m.x[i], n)
         world.events.append(Collided(world.t, ends[0], ends[1], tuple(point.tolist()), tuple(n.tolist()), p))
         world.audit.impacts += 1
@@ -165,11 +166,10 @@ def _hold(world: World, lasting: Contacts, cluster: np.ndarray) -> None:
         world.contacts = lasting.chosen(keep) if keep.any() else None
 
 
-def _guess(world: World, island: Island) -> np.ndarray | None:
-    """Contacts that pushed a moment ago."""
-    if not world.pushing:
-        return None
-    return np.array([_key(row) in world.pushing for row in island.contacts.kinds.tolist()])
+def _guess(world: World, island: Island) -> np.ndarray:
+    """Contacts that pushed a moment ago; if none of them did, all: of several splits of the load the most even one."""
+    known = np.array([_key(row) in world.pushing for row in island.contacts.kinds.tolist()])
+    return known if known.any() else ~known
 
 
 def _key(row: list[int]) -> tuple[int, int, int, int]:
@@ -177,10 +177,12 @@ def _key(row: list[int]) -> tuple[int, int, int, int]:
 
 
 def _record(world: World, island: Island, problem: Problem, force: np.ndarray) -> None:
+    """Keep the forces; what is rounding beside the weight of the bodies is no force."""
     k = problem.k
+    least = ROUNDING * float(np.abs(problem.free).max()) / float(np.sqrt((problem.g**2).sum(axis=1)).min())
     for row, f in enumerate(force.tolist()):
         whole = island.contacts.kinds[row].tolist()
-        if f > 0.0:
+        if f > least:
             world.pushing.add(_key(whole))
             world.forces.append(
                 Held(whole[0], whole[1], tuple(k.point[row].tolist()), tuple(k.normal[row].tolist()), f)
@@ -190,7 +192,7 @@ def _record(world: World, island: Island, problem: Problem, force: np.ndarray) -
 
 
 def _stop_parting(world: World, island: Island) -> None:
-    """Take the last trace of normal velocity out of lasting contacts: the nearest motion without it, which has less energy."""
+    """Take the last trace of normal velocity out of lasting contacts; the nearest such motion has less energy."""
     pose = Pose.now(world.motion, world.bodies)
     problem = island.problem(pose, world.bodies)
     if problem.k.rate.any():
@@ -215,12 +217,12 @@ def _at_rest(world: World, island: Island, p: Push, pose: Pose) -> bool:
     partners = {i for i in island.contacts.kinds[:, :2].ravel().tolist() if b.inverse_mass[i] == 0.0}
     if any(not world.static(i) for i in partners):
         return False
-    pull = s.speed / s.time
+    least = max(REST_ACCELERATION, 100.0 * rounding(b, island.bodies)) * s.speed / s.time
     for at, i in enumerate(island.bodies.tolist()):
         reach = b.reach[i]
         if np.linalg.norm(pose.v[i]) + reach * np.linalg.norm(pose.w[i]) > REST_SPEED * s.speed:
             return False
         turn = reach * b.quickness[i] * np.linalg.norm(p.torque[at])
-        if np.linalg.norm(p.acceleration[at]) + turn > REST_ACCELERATION * pull:
+        if np.linalg.norm(p.acceleration[at]) + turn > least:
             return False
     return True

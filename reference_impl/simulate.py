@@ -26,7 +26,7 @@ from reference_impl.assemble import IMPULSES, Table, assemble
 from reference_impl.collide.detect import Detector, Search, kinematics, rotations
 from reference_impl.errors import Overlap, Stalled
 from reference_impl.settle import settle
-from reference_impl.state import bodies_of, motion_of
+from reference_impl.state import Bodies, bodies_of, motion_of
 from reference_impl.world import HELD, Scales, Settings, World
 
 TOUCH = 1e-9  # features closer than this touch [smallest body size]
@@ -141,10 +141,12 @@ def _switch(world: World) -> None:
     world.forget(everything)
 
 
-def _scales(scene: Scene, b) -> Scales:  # noqa: ANN001
+def _scales(scene: Scene, b: Bodies) -> Scales:
     free = b.inverse_mass > 0.0
-    length = float(b.reach[free].min()) if free.any() else 1.0
     start = scene.start()
+    length = float(b.reach[free].min()) if free.any() else 1.0
+    # tolerances must stay above the rounding of the coordinates, whatever the size of the bodies
+    length = max(length, 1e-3 * float(np.abs(start.x).max()))
     fastest = float(
         max(np.linalg.norm(start.v, axis=1).max(), (np.linalg.norm(start.w, axis=1) * _finite(b.reach)).max())
     )

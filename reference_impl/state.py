@@ -86,9 +86,12 @@ def bodies_of(scene: Scene) -> Bodies:
     n = len(scene.bodies)
     turning = Rotation in scene.needs
     zeros = np.zeros
-    b = Bodies(zeros(n), zeros((n, 3, 3)), zeros((n, 3, 3)), zeros((n, 3, 3)), zeros(n), zeros(n),
-               zeros((n, 3)), zeros((n, 3)), zeros((n, 3, 3)), zeros(n), zeros(n), np.full(n, OTHER), zeros((n, 3)), zeros(n), zeros((n, 3)),
-               zeros(n), zeros(n, dtype=np.bool_), zeros(n, dtype=np.bool_))  # fmt: skip
+    matrices = zeros((n, 3, 3))
+    b = Bodies(
+        zeros(n), matrices, matrices.copy(), matrices.copy(), zeros(n), zeros(n), zeros((n, 3)), zeros((n, 3)),
+        matrices.copy(), zeros(n), zeros(n), np.full(n, OTHER), zeros((n, 3)), zeros(n), zeros((n, 3)), zeros(n),
+        zeros(n, dtype=np.bool_), zeros(n, dtype=np.bool_),
+    )  # fmt: skip
     for i, body in enumerate(scene.bodies):
         b.reach[i] = bounding_radius(body.shape)
         if isinstance(body.shape, Sphere):

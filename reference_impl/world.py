@@ -69,7 +69,7 @@ class Settings:
 class Scales(NamedTuple):
     """What large means in this scene; every tolerance is a multiple of one of these."""
 
-    length: float  # size of the smallest moving body [m]
+    length: float  # size of the smallest moving body, or what rounding of coordinates allows [m]
     speed: float  # of falling through that size, or of the fastest body at the start [m/s]
     time: float  # [s]
 

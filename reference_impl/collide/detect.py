@@ -83,9 +83,8 @@ def pairs_of(scene: Scene, bodies: Bodies) -> np.ndarray:
         for k in (i, j):
             if bodies.shape[k] == OTHER:
                 body = scene.bodies[k]
-                raise Unsupported(
-                    f"contact of body {body.name!r}, a {type(body.shape).__name__}: only Sphere, Box and HalfSpace touch"
-                )
+                kind = type(body.shape).__name__
+                raise Unsupported(f"contact of body {body.name!r}, a {kind}: only Sphere, Box and HalfSpace touch")
         pairs.append((i, j) if bodies.shape[i] <= bodies.shape[j] else (j, i))
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
@@ -252,7 +251,7 @@ class Detector:
         return float(gap_convex(t, *first, m.begin[b], m.x_series[b], m.q_series[b], s.half[b], s.radius[b]))
 
     def _bisected(self, a: int, b: int, time: float, end: float, m: Motion) -> float:
-        """The contact near `time` by bisection, in a bracket opened around it; `time` itself if the bodies only graze."""
+        """The contact near `time` by bisection in a bracket opened around it; `time` itself if they only graze."""
         width = 1e-6 * max(end - time, 1e-3)
         low = high = time
         for _ in range(30):

@@ -171,11 +171,12 @@ def all_kinematics(kinds, reals, x, rotation, v, w, n, point, gap, rate, bias):
 
 
 @kernel
-def rows(kinds, n, point, x, rotation, root, inverse_mass, place, out):
+def rows(kinds, n, point, x, rotation, root, inverse_mass, radius, place, out):
     """Scaled contact rows G = J M^-1/2 into `out` (contacts, 6 per moving body).
 
     `place[i]` is the number of body i among the moving ones, or -1.  In these coordinates a motion is
-    (√m v, Bᵀ Rᵀ L) with B Bᵀ = I⁻¹, so no inverse of an inertia is needed where nothing turns.
+    (√m v, Bᵀ Rᵀ L) with B Bᵀ = I⁻¹, so no inverse of an inertia is needed where nothing turns.  The normal
+    at a sphere (`radius` > 0) passes through its centre and turns nothing, not even by rounding.
     """
     for k in range(len(kinds)):
         for c in range(out.shape[1]):
@@ -186,7 +187,9 @@ def rows(kinds, n, point, x, rotation, root, inverse_mass, place, out):
             if at < 0:
                 continue
             sign = 1.0 if side == 0 else -1.0
-            lever = cross(_minus(point[k], x[i]), n[k])
+            lever = np.zeros(3)
+            if radius[i] == 0.0:
+                lever = cross(_minus(point[k], x[i]), n[k])
             body = np.empty(3)
             for c in range(3):
                 body[c] = rotation[i, 0, c] * lever[0] + rotation[i, 1, c] * lever[1] + rotation[i, 2, c] * lever[2]

@@ -73,11 +73,12 @@ def bounce(collision: Collision, impulses: np.ndarray, chosen: np.ndarray, e: np
         out[chosen] = normal_impulse(float(u[0]), float(rows[0] @ rows[0]), float(e[chosen][0]))
         return out
     factor = 1.0 + e[chosen]
+    every = np.ones(len(u), dtype=bool)  # the guess that all push: of the splits that are possible, the most even
     if np.all(factor == factor[0]):  # then u⁺ + e u⁻ = G (y⁺ + e y⁻) + (1 + e) drift
         motion = factor[0] * (collision.motion + collision.rows.T @ impulses)
-        out[chosen] = solve(rows, motion, -factor[0] * collision.drift[chosen]).f
+        out[chosen] = solve(rows, motion, -factor[0] * collision.drift[chosen], guess=every).f
     else:
-        out[chosen] = solve(rows, np.zeros(rows.shape[1]), -factor * u).f
+        out[chosen] = solve(rows, np.zeros(rows.shape[1]), -factor * u, guess=every).f
     return out
 
 

@@ -100,7 +100,18 @@ class Island:
         k = Kinematics(np.empty((m, 3)), np.empty((m, 3)), np.empty(m), np.empty(m), np.empty(m))
         p = Problem(k, np.empty((m, width)), np.empty(width), np.empty(m), np.empty(width))
         all_kinematics(self.contacts.kinds, self.contacts.reals, pose.x, pose.rotation, pose.v, pose.w, *k)
-        rows(self.contacts.kinds, k.normal, k.point, pose.x, pose.rotation, b.root, b.inverse_mass, self.place, p.g)
+        rows(
+            self.contacts.kinds,
+            k.normal,
+            k.point,
+            pose.x,
+            pose.rotation,
+            b.root,
+            b.inverse_mass,
+            b.radius,
+            self.place,
+            p.g,
+        )
         _scaled(self.bodies, pose.rotation, pose.v, pose.w, pose.L, b.inverse_mass, b.root, b.acceleration, b.drag,
                 b.torque, b.lever, b.spin_drag, p.motion, p.free)  # fmt: skip
         _least(self.contacts.kinds, k.normal, k.bias, b.inverse_mass, b.acceleration, p.least)
@@ -131,6 +142,12 @@ def nearest(g: np.ndarray, target: np.ndarray) -> np.ndarray:
     """The smallest y with G y = target; the best there is if the rows contradict each other."""
     length = np.sqrt(np.einsum("ij,ij->i", g, g))
     return np.linalg.lstsq(g / length[:, None], target / length, rcond=1e-10)[0]
+
+
+def rounding(b: Bodies, bodies: np.ndarray) -> float:
+    """Relative rounding of accelerations under contact forces: eps times the ratio of the masses that press."""
+    inverse = b.inverse_mass[bodies]
+    return float(np.finfo(np.float64).eps * inverse.max() / inverse.min())
 
 
 def islands(contacts: Contacts, b: Bodies) -> list[Island]:
