@@ -1,4 +1,4 @@
-"""Effects to parts: a table, effect type to function, both implements and declares what an engine can do."""
+"""Effects to parts: one table, effect type to function, both implements and declares what the engine can do."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 from mechanics.effects import Drag, Effect, Force, Friction, Gravity, Resting, Restitution, Rotation
 from mechanics.scene import Scene
-from reference_impl.effects import drag, force, friction, gravity, penalty, rotation
+from reference_impl.effects import drag, force, friction, gravity, rotation
 from reference_impl.errors import Unsupported
 from reference_impl.parts import Law, Parts
 
@@ -21,14 +21,6 @@ IMPULSES: Table = {
     Restitution: lambda scene, effect: Parts(law=Law(touching=True, restitution=effect)),
     Friction: friction.parts,
     Resting: lambda scene, effect: Parts(law=Law(touching=True, resting=True)),
-}
-
-# contact as a load instead of events
-PENALTIES: Table = {
-    **IMPULSES,
-    Restitution: penalty.restitution,
-    Friction: penalty.frictionless,
-    Resting: penalty.resting,
 }
 
 
