@@ -1,4 +1,4 @@
-"""Effects to parts: one table, effect type to function, both implements and declares what the engine can do."""
+"""Effects to parts: a table, effect type to function, both implements and declares what an engine can do."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 from mechanics.effects import Drag, Effect, Force, Friction, Gravity, Resting, Restitution, Rotation
 from mechanics.scene import Scene
-from reference_impl.effects import drag, force, friction, gravity, rotation
+from reference_impl.effects import drag, force, friction, gravity, penalty, rotation
 from reference_impl.errors import Unsupported
 from reference_impl.parts import Law, Parts
 
@@ -20,6 +20,28 @@ IMPULSES: Table = {
     Force: force.parts,
     Restitution: lambda scene, effect: Parts(law=Law(touching=True, restitution=effect)),
     Friction: friction.parts,
+    Resting: lambda scene, effect: Parts(law=Law(touching=True, resting=True)),
+}
+
+# with contact as a load, and as the lecture has it: listed one by one, because what the events of `simulate` learn
+# these do not
+PENALTIES: Table = {
+    Gravity: gravity.parts,
+    Rotation: rotation.parts,
+    Drag: drag.parts,
+    Force: force.parts,
+    Restitution: penalty.restitution,
+    Friction: penalty.frictionless,
+    Resting: penalty.resting,
+}
+
+LECTURE: Table = {
+    Gravity: gravity.parts,
+    Rotation: rotation.parts,
+    Drag: drag.parts,
+    Force: force.parts,
+    Restitution: lambda scene, effect: Parts(law=Law(touching=True, restitution=effect)),
+    Friction: penalty.frictionless,
     Resting: lambda scene, effect: Parts(law=Law(touching=True, resting=True)),
 }
 
