@@ -120,7 +120,7 @@ def osqp_dual(g: np.ndarray, c: np.ndarray, d: np.ndarray, start: np.ndarray | N
 def _osqp(**problem: Any) -> Any:
     import osqp as package
 
-    solver = package.OSQP()
+    solver = package.OSQP(algebra="builtin")  # the same everywhere, and found without a search
     solver.setup(**problem, eps_abs=1e-9, eps_rel=1e-9, max_iter=ITERATIONS, time_limit=SECONDS, verbose=False)
     return solver
 
