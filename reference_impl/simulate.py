@@ -105,11 +105,11 @@ def advance(world: World, duration: float) -> None:
             _fly(world, limit)
         world.renew()
         if world.audit.events > budget:
-            raise Stalled(f"{world.settings.events} contacts in one call", world.t)
+            raise Stalled(f"more than {world.settings.events} contacts in one call", world.t)
         if world.t > crowd[0] + 1e-3 * world.scales.time:
             crowd = (world.t, world.audit.events)
         elif world.audit.events > crowd[1] + CROWD:
-            raise Stalled(f"{CROWD} contacts without progress in time", world.t)
+            raise Stalled(f"more than {CROWD} contacts without progress in time", world.t)
 
 
 def _fly(world: World, limit: float) -> None:
