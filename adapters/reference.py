@@ -3,6 +3,9 @@
 Where several contacts act in one instant, rigid-body mechanics leaves the outcome to a law.
 `reference` lets simultaneous impulses propagate, `reference:sequential` treats one contact at a
 time, `reference:simultaneous` solves all at once; for single contacts the three are the same.
+
+`reference:lecture` and `reference:penalty` are two older methods in the same house, with time steps:
+the algorithm of Baraff's lecture notes, and contact as springs.  They are there to be compared with.
 """
 
 from __future__ import annotations
@@ -12,15 +15,15 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from adapters.engine import BadScene, ContactForce, Diverged, Impact, Refusal, Settings
+from adapters.translate import TIME_STEPS
 from mechanics.effects import Drag, Effect, Force, Friction, Gravity, Resting, Restitution, Rotation
 from mechanics.scene import Scene
 from mechanics.trajectory import State
 
-if TYPE_CHECKING:
-    from reference_impl.world import World
+EFFECTS = (Gravity, Rotation, Drag, Force, Restitution, Friction, Resting)
 
 
 @dataclass
@@ -31,24 +34,23 @@ class Draft:
     effects: list[Effect] = field(default_factory=list)
 
 
-class Reference:
-    """The reference engine with one impact law, as an engine.
+class Profile:
+    """One method of the reference engine, as an engine.
 
     Parameters
     ----------
     name : str
-    impact_law : str
-        One of `reference_impl.effects.impact.LAWS`.
     """
 
-    knobs: Mapping[str, tuple[float, ...]] = {"tolerance": (1e-6, 1e-9, 1e-12)}
-    defaults: Mapping[str, float] = {"tolerance": 1e-12}
+    knobs: Mapping[str, tuple[float, ...]]
+    defaults: Mapping[str, float]
+    profile: Mapping[str, str] = {}
+    table: str  # name in `reference_impl.assemble`
+    remarks: Mapping[type[Effect], str] = {}  # what is approximated
 
-    def __init__(self, name: str, impact_law: str) -> None:
-        self.name, self.impact_law = name, impact_law
-        self.effects: dict[type[Effect], Callable[[Draft, Any], None]] = dict.fromkeys(
-            (Gravity, Rotation, Drag, Force, Restitution, Friction, Resting), _switch_on
-        )
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.effects: dict[type[Effect], Callable[[Draft, Any], str | None]] = dict.fromkeys(EFFECTS, self._switch_on)
 
     @cached_property
     def version(self) -> str:
@@ -59,7 +61,16 @@ class Reference:
         """The scene with nothing switched on."""
         return Draft(scene)
 
-    def start(self, draft: Draft, knobs: Settings) -> World:
+    def _switch_on(self, draft: Draft, effect: Effect) -> str | None:
+        """Switch an effect on; the method's own table refuses what it cannot do with these values."""
+        from reference_impl import assemble
+
+        with _translated():
+            getattr(assemble, self.table)[type(effect)](draft.scene, effect)
+        draft.effects.append(effect)
+        return self.remarks.get(type(effect))
+
+    def start(self, draft: Draft, knobs: Settings) -> Any:
         """World at t = 0.
 
         Raises
@@ -67,14 +78,13 @@ class Reference:
         Refusal
             For shapes that may touch and have no contact routines, and for bodies that overlap.
         """
-        from reference_impl.simulate import begin
-        from reference_impl.world import Settings as Choices
-
         with _translated():
-            scene = Scene(draft.scene.bodies, tuple(draft.effects))
-            return begin(scene, Choices(impact_law=self.impact_law, tolerance=float(knobs["tolerance"])))
+            return self._begin(Scene(draft.scene.bodies, tuple(draft.effects)), knobs)
 
-    def advance(self, world: World, duration: float) -> None:
+    def _begin(self, scene: Scene, knobs: Settings) -> Any:
+        raise NotImplementedError
+
+    def advance(self, world: Any, duration: float) -> None:
         """Carry the world `duration` [s] on.
 
         Raises
@@ -84,21 +94,14 @@ class Reference:
         Diverged
             If a budget of the engine ran out.
         """
-        from reference_impl.simulate import advance
-
         with _translated():
-            advance(world, duration)
+            world.advance(duration)
 
-    def read(self, world: World) -> State:
+    def read(self, world: Any) -> State:
         """State of all bodies in scene order."""
         return world.state()
 
-    def events(self, world: World) -> tuple[Impact, ...]:
-        """Every impulse exchanged so far."""
-        names = world.scene.names
-        return tuple(Impact(e.time, names[e.a], names[e.b], e.point, e.normal, e.impulse) for e in world.events)
-
-    def contacts(self, world: World) -> tuple[ContactForce, ...]:
+    def contacts(self, world: Any) -> tuple[ContactForce, ...]:
         """The contacts that last, with their forces on a."""
         names = world.scene.names
         return tuple(
@@ -106,24 +109,103 @@ class Reference:
             for h in world.forces
         )
 
-    def audit(self, world: World) -> dict[str, float]:
+    def audit(self, world: Any) -> dict[str, float]:
+        """What the engine knows of its own soundness; see the `Audit` of each method."""
+        return {name: float(value) for name, value in asdict(world.audit).items()}
+
+
+def _events(self: Profile, world: Any) -> tuple[Impact, ...]:
+    """Every impulse exchanged so far."""
+    names = world.scene.names
+    return tuple(Impact(e.time, names[e.a], names[e.b], e.point, e.normal, e.impulse) for e in world.events)
+
+
+class Reference(Profile):
+    """The reference engine with one impact law.
+
+    Parameters
+    ----------
+    name : str
+    impact_law : str
+        One of `reference_impl.effects.impact.LAWS`.
+    """
+
+    knobs: Mapping[str, tuple[float, ...]] = {"tolerance": (1e-6, 1e-9, 1e-12)}
+    defaults: Mapping[str, float] = {"tolerance": 1e-12}
+    table = "IMPULSES"
+    events = _events
+
+    def __init__(self, name: str, impact_law: str) -> None:
+        super().__init__(name)
+        self.impact_law = impact_law
+
+    def _begin(self, scene: Scene, knobs: Settings) -> Any:
+        from reference_impl.simulate import begin
+        from reference_impl.world import Settings as Choices
+
+        return begin(scene, Choices(impact_law=self.impact_law, tolerance=float(knobs["tolerance"])))
+
+    def advance(self, world: Any, duration: float) -> None:
+        """Carry the world `duration` [s] on; raises as `Profile.advance`."""
+        from reference_impl.simulate import advance
+
+        with _translated():
+            advance(world, duration)
+
+    def audit(self, world: Any) -> dict[str, float]:
         """What the engine knows of its own soundness; see `reference_impl.world.Audit`."""
-        return {name: float(value) for name, value in asdict(world.audit).items()} | {
-            "evaluations": float(world.search.evaluations)
-        }
+        return super().audit(world) | {"evaluations": float(world.search.evaluations)}
+
+
+class Lecture(Profile):
+    """The algorithm of Baraff's lecture notes; `reference_impl.lecture` tells its faults."""
+
+    knobs: Mapping[str, tuple[float, ...]] = {"dt": TIME_STEPS}
+    defaults: Mapping[str, float] = {"dt": 1e-3}
+    table = "LECTURE"
+    events = _events
+    profile: Mapping[str, str] = {
+        "integrator = Runge-Kutta of order 4, step dt": "as in the notes; `reference` flies exact paths between contacts",
+        "time of contact = bisection": "penetration is looked for at the end of a step, then the step is halved; "
+        "`reference` advances conservatively and misses no contact",
+        "impact law = sequential": "the notes give impulses one contact at a time; `reference` lets them propagate",
+        "resting contact = OSQP on A f + b": "the notes' quadratic program, whose matrix squares the condition number; "
+        "`reference` solves it in its factors, certified",
+        "threshold = g dt": "slower approach does not bounce; `reference` has no threshold",
+    }
+
+    def _begin(self, scene: Scene, knobs: Settings) -> Any:
+        from reference_impl.lecture import begin
+
+        return begin(scene, float(knobs["dt"]))
+
+
+class Penalty(Profile):
+    """Contact as a spring and damper; `reference_impl.effects.penalty` has the formulas."""
+
+    knobs: Mapping[str, tuple[float, ...]] = {"dt": TIME_STEPS, "depth": (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)}
+    defaults: Mapping[str, float] = {"dt": 1e-3, "depth": 1e-4}
+    table = "PENALTIES"
+    profile: Mapping[str, str] = {
+        "contact = spring and damper": "a load like any other, in place of impulses and contact forces; bodies overlap",
+        "depth (knob)": "how deep a body sinks in under its own weight [m]; sets the stiffness, and steps must resolve "
+        "sqrt(g / depth)",
+        "integrator = Runge-Kutta of order 4, step dt": "`reference` flies exact paths between contacts",
+    }
+    remarks: Mapping[type[Effect], str] = {
+        Restitution: "Restitution: by damping chosen for one contact at a time, exact as dt goes to zero; "
+        "below 0.01 as 0.01",
+        Resting: "Resting: bodies lie as deep in each other as their springs need to carry them",
+    }
+
+    def _begin(self, scene: Scene, knobs: Settings) -> Any:
+        from reference_impl.penalty import begin
+
+        return begin(scene, float(knobs["dt"]), float(knobs["depth"]))
 
 
 def _times(force: float, normal: tuple[float, float, float]) -> tuple[float, float, float]:
     return force * normal[0], force * normal[1], force * normal[2]
-
-
-def _switch_on(draft: Draft, effect: Effect) -> None:
-    """Switch an effect on; the engine's own table refuses what it cannot do with these values."""
-    from reference_impl.assemble import IMPULSES
-
-    with _translated():
-        IMPULSES[type(effect)](draft.scene, effect)
-    draft.effects.append(effect)
 
 
 @contextmanager
@@ -145,4 +227,6 @@ ENGINES = {
     "reference": Reference("reference", "propagation"),
     "reference:sequential": Reference("reference:sequential", "sequential"),
     "reference:simultaneous": Reference("reference:simultaneous", "simultaneous"),
+    "reference:lecture": Lecture("reference:lecture"),
+    "reference:penalty": Penalty("reference:penalty"),
 }
