@@ -165,7 +165,7 @@ class Lecture(Profile):
     table = "LECTURE"
     events = _events
     profile: Mapping[str, str] = {
-        "integrator = Runge-Kutta of order 4, step dt": "as in the notes; `reference` flies exact paths between contacts",
+        "integrator = Runge-Kutta 4, step dt": "as in the notes; `reference` flies exact paths between contacts",
         "time of contact = bisection": "penetration is looked for at the end of a step, then the step is halved; "
         "`reference` advances conservatively and misses no contact",
         "impact law = sequential": "the notes give impulses one contact at a time; `reference` lets them propagate",
