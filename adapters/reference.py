@@ -15,13 +15,16 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from importlib.metadata import version
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from adapters.engine import BadScene, ContactForce, Diverged, Impact, Refusal, Settings
 from adapters.translate import TIME_STEPS
 from mechanics.effects import Drag, Effect, Force, Friction, Gravity, Resting, Restitution, Rotation
 from mechanics.scene import Scene
 from mechanics.trajectory import State
+
+if TYPE_CHECKING:
+    from reference_impl.world import Held
 
 EFFECTS = (Gravity, Rotation, Drag, Force, Restitution, Friction, Resting)
 
@@ -104,10 +107,7 @@ class Profile:
     def contacts(self, world: Any) -> tuple[ContactForce, ...]:
         """The contacts that last, with their forces on a."""
         names = world.scene.names
-        return tuple(
-            ContactForce(world.t, names[h.a], names[h.b], h.point, h.normal, _times(h.force, h.normal))
-            for h in world.forces
-        )
+        return tuple(ContactForce(world.t, names[h.a], names[h.b], h.point, h.normal, _force(h)) for h in world.forces)
 
     def audit(self, world: Any) -> dict[str, float]:
         """What the engine knows of its own soundness; see the `Audit` of each method."""
@@ -204,8 +204,10 @@ class Penalty(Profile):
         return begin(scene, float(knobs["dt"]), float(knobs["depth"]))
 
 
-def _times(force: float, normal: tuple[float, float, float]) -> tuple[float, float, float]:
-    return force * normal[0], force * normal[1], force * normal[2]
+def _force(held: Held) -> tuple[float, float, float]:
+    """Normal force and friction together [N]."""
+    x, y, z = (held.force * n + t for n, t in zip(held.normal, held.friction, strict=True))
+    return x, y, z
 
 
 @contextmanager

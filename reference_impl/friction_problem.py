@@ -66,7 +66,7 @@ def solve(problem: Rough, model: str = "exact", sides: int = 4, guess: np.ndarra
     sides : int
         Of the polygon of `pyramid`, from 4 on and even; its corners begin at the first tangent.
     guess : (m,) array of int, optional
-        Expected state of each contact: OFF, HOLDS or (only one that slides) SLIPS; accepted with a good certificate only.
+        Expected state of each contact: OFF, HOLDS or, if it slides, SLIPS; accepted with a good certificate only.
 
     Raises
     ------
@@ -80,10 +80,7 @@ def solve(problem: Rough, model: str = "exact", sides: int = 4, guess: np.ndarra
     if sides < 4 or sides % 2:
         raise ValueError(f"sides = {sides!r}; allowed: an even number from 4 on")
     unit, length = _unit(problem)
-    if model == "pyramid":
-        best = _pyramid(unit, sides)
-    else:
-        best = _searched(unit, model == "convex", guess)
+    best = _pyramid(unit, sides) if model == "pyramid" else _searched(unit, model == "convex", guess)
     r, x, residual, solver = best
     if not residual <= USABLE:
         raise NoSolution(f"no solver solves the friction of {len(length)} contacts (best certificate {residual:.3g})")
@@ -92,7 +89,7 @@ def solve(problem: Rough, model: str = "exact", sides: int = 4, guess: np.ndarra
 
 
 def residual(problem: Rough, r: np.ndarray, convex: bool = False) -> float:
-    """How far r (3 m,) is from a solution: max |r - P_K(r - u - µ|u_T| n)| over max(|c|, |d|), normal rows of unit length."""
+    """How far r (3 m,) is from a solution: max |r - P_K(r - u - µ|u_T| n)| over max(|c|, |d|); unit normal rows."""
     x = problem.c + problem.g.T @ r
     scale = max(float(np.sqrt(problem.c @ problem.c)), float(np.abs(problem.d).max()), 1e-300)
     return rate(problem.g @ x - problem.d, r, problem.mu, problem.slides, convex) / scale
@@ -164,7 +161,7 @@ def _modes(p: Rough, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _held(p: Rough, modes: np.ndarray, way: np.ndarray | None) -> tuple[np.ndarray, np.ndarray] | None:
-    """Forces (3 m,) that hold what the modes say at exactly zero, and the motion under them; the smallest if not unique.
+    """Forces (3 m,) that hold what the modes say at exactly zero, the smallest ones, and the motion under them.
 
     A contact that holds has all three relative motions zero; one that slips has its friction fixed to µ times
     its normal force, against `way`.

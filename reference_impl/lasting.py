@@ -14,14 +14,18 @@ from reference_impl.collide.detect import Contacts, kinematics, rotations
 from reference_impl.collide.features import margin
 from reference_impl.contact_problem import NoSolution
 from reference_impl.effects.resting import Island, Pose, Push, islands, push, rounding
+from reference_impl.effects.sliding import Grip, grip_of, reversing, rough_push
 from reference_impl.errors import Stalled
 from reference_impl.integrators import RungeKutta8, hermite, where
 from reference_impl.kernels import spin, spin_rate
+from reference_impl.rough import begins, jam, slow
 from reference_impl.world import HELD, World
 
 DEEP = 1e-11  # overlap that sends a step back [smallest body size]
 SHORTEST = 1e-13  # step below which the motion is stuck [time scale]
 LONGEST = 1.0  # [time scale]
+BRINK = 1e-7  # time before forces cease to exist at which impulses take over [time scale]
+STANDING = 1e-15  # slip at which a contact has stopped [speed scale]
 SAFETY = 1.5  # on bounds of the accelerations within a step, which are sampled at its stages
 
 
@@ -36,7 +40,15 @@ class _Flow:
         self.active: list[np.ndarray | None] = [None] * len(self.groups)
         self.pushes: list[Push] = []
         pose = Pose.now(world.motion, world.bodies)
-        self.gaps = [group.problem(pose, world.bodies).k.gap for group in self.groups]
+        self.gaps: list[np.ndarray] = []
+        self.grips: list[Grip | None] = []
+        for group in self.groups:
+            problem, mu = group.problem(pose, world.bodies), world.mu[group.contacts.pairs]
+            self.gaps.append(problem.k.gap)
+            rough = mu.any()
+            self.grips.append(
+                grip_of(group, problem, pose, world.bodies, mu, slow(world), begins(world)) if rough else None
+            )
 
     def pack(self) -> np.ndarray:
         m = self.world.motion
@@ -66,8 +78,14 @@ class _Flow:
         self.pushes = []
         for number, group in enumerate(self.groups):
             problem = group.problem(pose, world.bodies)
-            p = push(group, problem, pose, world.bodies, world.settings.solver, self.active[number])
-            self.active[number] = p.force > 0.0
+            grip = self.grips[number]
+            if grip is None:
+                p = push(group, problem, pose, world.bodies, world.settings.solver, self.active[number])
+                self.active[number] = p.force > 0.0
+            else:
+                p, _, self.active[number] = rough_push(
+                    group, problem, pose, world.bodies, grip, slow(world), self.active[number]
+                )
             self.pushes.append(p)
             world.audit.residual = max(world.audit.residual, p.residual)
             for k, i in enumerate(group.bodies.tolist()):
@@ -77,6 +95,16 @@ class _Flow:
                 out[at + 7 : at + 10] = p.acceleration[k]
                 out[at + 10 : at + 13] = p.torque[k]
         return out
+
+    def slip(self, t: float, y: np.ndarray) -> float:
+        """Least slip of the contacts that slide, along their direction at the start; negative past a reversal [m/s]."""
+        least = math.inf
+        pose, _ = self.pose(t, y)
+        for group, grip, p in zip(self.groups, self.grips, self.pushes, strict=True):
+            if grip is not None and grip.moves.any():
+                problem = group.problem(pose, self.world.bodies)
+                least = min(least, reversing(group, problem, pose, self.world.bodies, grip, p.force > 0.0))
+        return least
 
     def scale(self) -> np.ndarray:
         """Error allowed in each component of y."""
@@ -108,12 +136,23 @@ def _step(world: World, limit: float) -> None:
     scale = flow.scale()
     y = flow.pack()
     first = flow(start, y)
+    rough = any(grip is not None for grip in flow.grips)
     h = min(world.step, LONGEST * world.scales.time)
     while True:
         if h < SHORTEST * world.scales.time:
             raise Stalled(f"lasting contact of {', '.join(world.names(*flow.bodies))}: step below {h:.3g} s", start)
         end = min(start + h, limit)
-        new, stages = method.step(flow, start, y, end - start, first)
+        try:
+            new, stages = method.step(flow, start, y, end - start, first)
+        except NoSolution:
+            if not rough:
+                raise
+            world.audit.rejected += 1
+            h = 0.25 * (end - start)
+            if h < BRINK * world.scales.time:
+                _jammed(world, flow)
+                return
+            continue
         error = method.error(stages, end - start, scale)
         if error > 1.0:
             world.audit.rejected += 1
@@ -124,6 +163,8 @@ def _step(world: World, limit: float) -> None:
         if stop < end:
             # the motion itself, not its polynomial, is carried to the interruption
             new, stages = method.step(flow, start, y, stop - start, first)
+        if rough and flow.slip(stop, new) < 0.0:
+            stop, new, pair = *_reversal(world, flow, method, y, start, stop, new, first), -1
         if _overlap(world, flow, stop, new) < -DEEP * world.scales.length:
             world.audit.rejected += 1
             h = 0.5 * (stop - start)
@@ -137,6 +178,46 @@ def _step(world: World, limit: float) -> None:
     if pair >= 0:
         world.dirty[world.detector.pairs[pair]] = True
         world.clear[pair], world.hits[pair] = stop, False
+
+
+def _reversal(
+    world: World, flow: _Flow, method: RungeKutta8, y: np.ndarray, start: float, stop: float, new: np.ndarray,
+    first: np.ndarray,
+) -> tuple[float, np.ndarray]:  # fmt: skip
+    """When the first contact ceases to slide, and the state then.
+
+    The Illinois method on the slip of the motion itself, which is a straight line in time where friction is constant.
+    """
+    low, high = start, stop
+    above, below = flow.slip(start, y), flow.slip(stop, new)
+    side = 0
+    for _ in range(80):
+        t = (low * below - high * above) / (below - above)
+        if not low < t < high:
+            t = 0.5 * (low + high)
+        if t in (low, high):
+            break
+        new, _ = method.step(flow, start, y, t - start, first)
+        stop, value = t, flow.slip(t, new)
+        if abs(value) <= STANDING * world.scales.speed:
+            break
+        if value > 0.0:
+            low, above = t, value
+            below = 0.5 * below if side == 1 else below
+            side = 1
+        else:
+            high, below = t, value
+            above = 0.5 * above if side == -1 else above
+            side = -1
+    return stop, new
+
+
+def _jammed(world: World, flow: _Flow) -> None:
+    """No contact forces exist a moment from now: impulses take their place."""
+    for group, grip in zip(flow.groups, flow.grips, strict=True):
+        if grip is not None:
+            jam(world, group)
+    world.dirty[flow.bodies] = True
 
 
 def _segments(

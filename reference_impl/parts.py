@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mechanics.effects import Restitution
+from mechanics.effects import Friction, Restitution
 from reference_impl.state import SPHERE, Bodies
 
 
@@ -45,15 +45,21 @@ class Law:
         None: no impact may happen.
     resting : bool
         Whether contact may last.
+    friction : Friction or None
+        None: contact is smooth.
     """
 
     touching: bool = False
     restitution: Restitution | None = None
     resting: bool = False
+    friction: Friction | None = None
 
     def __or__(self, other: Law) -> Law:
         return Law(
-            self.touching or other.touching, self.restitution or other.restitution, self.resting or other.resting
+            self.touching or other.touching,
+            self.restitution or other.restitution,
+            self.resting or other.resting,
+            self.friction or other.friction,
         )
 
 

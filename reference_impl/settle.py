@@ -19,6 +19,7 @@ from reference_impl.effects.impact import LAWS, Collision
 from reference_impl.effects.resting import Island, Pose, Problem, Push, islands, nearest, push, rounding
 from reference_impl.errors import MissingEffect, Stalled
 from reference_impl.kernels import cross
+from reference_impl.rough import exchange_friction, jam, rough_collision, rough_forces
 from reference_impl.world import FLYING, HELD, STILL, Collided, Held, World
 
 RETURN = 5e-6  # a contact that is back within this time never parted [time scale]
@@ -26,12 +27,27 @@ RETURN_ALONE = 1e-8  # the same for a sphere with one contact
 ACCUMULATION = 1e-3  # bounces of a body that would all happen within this time are skipped [time scale]
 ACCUMULATION_ALONE = 1e-7  # the same for a sphere with one contact, whose bounces are cheap
 ROUNDING = 1e-13  # forces below this part of the scaled weight are none
+JAMS = 20  # impulses at one instant in place of forces
 REST_SPEED = 1e-10  # [speed scale]
 REST_ACCELERATION = 1e-9  # [speed scale / time scale]
 
 
 def settle(world: World) -> None:
-    """Deal with every contact of the bodies that are dirty, and start their new motion."""
+    """Deal with every contact of the bodies that are dirty, and start their new motion.
+
+    Raises
+    ------
+    Stalled
+        If contact forces do not exist again and again.
+    """
+    for _ in range(JAMS):
+        if _settled(world):
+            return
+    raise Stalled(f"{JAMS} impulses in place of forces that do not exist (Painlevé)", world.t)
+
+
+def _settled(world: World) -> bool:
+    """Whether this is done; False if an impulse has taken the place of forces and all must be looked at again."""
     cluster = world.dirty.copy()
     pose = Pose.now(world.motion, world.bodies)
     contacts = world.detector.contacts(world.motion.x, pose.rotation, cluster)
@@ -46,11 +62,13 @@ def settle(world: World) -> None:
             _collide(world, island, problem)
             problem = island.problem(Pose.now(world.motion, world.bodies), world.bodies)
         lasting = contacts.chosen(_resting(world, problem))
-    _hold(world, lasting, cluster)
+    if not _hold(world, lasting, cluster):
+        return False
     for i in np.flatnonzero(cluster & (world.mode != HELD)):
         world.launch(i)
     world.forget(cluster)
     world.dirty[:] = False
+    return True
 
 
 def _collide(world: World, island: Island, problem: Problem) -> None:
@@ -84,14 +102,23 @@ def _collide(world: World, island: Island, problem: Problem) -> None:
         return np.where(left < limit, 0.0, e)
 
     drift = k.rate - problem.g @ problem.motion if world.moving else np.zeros(len(e))
-    collision = Collision(problem.g, problem.motion, drift, restitution, world.search.speed)
+    mu = world.mu[contacts.pairs]
+    tangents = None
+    if mu.any():
+        collision, tangents = rough_collision(world, island, problem, mu, restitution)
+    else:
+        collision = Collision(problem.g, problem.motion, drift, restitution, world.search.speed)
     try:
         outcome = LAWS[world.settings.impact_law](collision)
     except NoSolution as error:
         raise Stalled(f"impact: {error}", world.t) from None
     world.audit.passes = max(world.audit.passes, outcome.passes)
     before = kinetic_energy(world)
-    _exchange(world, island, problem, outcome.impulses)
+    if tangents is None:
+        _exchange(world, island, problem, outcome.impulses)
+    else:
+        _exchange(world, island, problem, outcome.impulses[:, 0])
+        exchange_friction(world, island, problem, outcome.impulses, tangents)
     if not world.moving:
         world.audit.energy_rise = max(world.audit.energy_rise, kinetic_energy(world) - before)
 
@@ -134,8 +161,8 @@ def _alone(g: np.ndarray) -> bool:
     return len(g) == 1 and not g[:, 3:6].any()
 
 
-def _hold(world: World, lasting: Contacts, cluster: np.ndarray) -> None:
-    """Put bodies with lasting contacts under contact forces, or to rest.
+def _hold(world: World, lasting: Contacts, cluster: np.ndarray) -> bool:
+    """Put bodies with lasting contacts under contact forces, or to rest; False if an impulse was due instead.
 
     Raises
     ------
@@ -148,10 +175,17 @@ def _hold(world: World, lasting: Contacts, cluster: np.ndarray) -> None:
         _stop_parting(world, island)
         pose = Pose.now(world.motion, world.bodies)
         problem = island.problem(pose, world.bodies)
+        mu, friction = world.mu[island.contacts.pairs], None
         try:
-            p = push(island, problem, pose, world.bodies, world.settings.solver, _guess(world, island))
+            if mu.any():
+                p, friction = rough_forces(world, island, problem, pose, mu)
+            else:
+                p = push(island, problem, pose, world.bodies, world.settings.solver, _guess(world, island))
         except NoSolution as error:
-            raise Stalled(f"resting contact: {error}", world.t) from None
+            if not mu.any():
+                raise Stalled(f"resting contact: {error}", world.t) from None
+            jam(world, island)
+            return False
         world.audit.residual = max(world.audit.residual, p.residual)
         _require_resting(world, island, p.force)
         at_rest = _at_rest(world, island, p, pose)
@@ -160,10 +194,11 @@ def _hold(world: World, lasting: Contacts, cluster: np.ndarray) -> None:
             island.shift(world.motion, world.bodies, np.zeros(len(p.force)))
             world.motion.v[island.bodies] = world.motion.L[island.bodies] = 0.0
             world.audit.rests += len(island.bodies)
-        _record(world, island, problem, p.force)
+        _record(world, island, problem, p.force, friction)
     if world.contacts is not None:
         keep = (world.mode[lasting.kinds[:, 0]] == HELD) | (world.mode[lasting.kinds[:, 1]] == HELD)
         world.contacts = lasting.chosen(keep) if keep.any() else None
+    return True
 
 
 def _guess(world: World, island: Island) -> np.ndarray:
@@ -176,17 +211,19 @@ def _key(row: list[int]) -> tuple[int, int, int, int]:
     return row[0], row[1], 8 * row[2] + row[3], row[4]
 
 
-def _record(world: World, island: Island, problem: Problem, force: np.ndarray) -> None:
+def _record(
+    world: World, island: Island, problem: Problem, force: np.ndarray, friction: np.ndarray | None = None
+) -> None:
     """Keep the forces; what is rounding beside the weight of the bodies is no force."""
     k = problem.k
+    along = np.zeros((len(force), 3)) if friction is None else friction
     least = ROUNDING * float(np.abs(problem.free).max()) / float(np.sqrt((problem.g**2).sum(axis=1)).min())
     for row, f in enumerate(force.tolist()):
         whole = island.contacts.kinds[row].tolist()
         if f > least:
             world.pushing.add(_key(whole))
-            world.forces.append(
-                Held(whole[0], whole[1], tuple(k.point[row].tolist()), tuple(k.normal[row].tolist()), f)
-            )
+            place, normal = tuple(k.point[row].tolist()), tuple(k.normal[row].tolist())
+            world.forces.append(Held(whole[0], whole[1], place, normal, f, tuple(along[row].tolist())))
         else:
             world.pushing.discard(_key(whole))
 

@@ -93,6 +93,7 @@ class Held(NamedTuple):
     point: tuple[float, float, float]  # [m]
     normal: tuple[float, float, float]  # unit, from b to a
     force: float  # on a along the normal [N]
+    friction: tuple[float, float, float] = (0.0, 0.0, 0.0)  # on a along the surface [N]
 
 
 @dataclass
@@ -108,6 +109,7 @@ class Audit:
     gap: float = 0.0  # deepest overlap found at an event [m], <= 0
     energy_rise: float = 0.0  # of an impact or a return to rest [J]; only where no fixed body moves
     rests: int = 0  # bodies brought to proven rest
+    painleve: int = 0  # times that no contact forces existed and an impulse took their place
     last_bounce: float = math.nan  # when the last accumulating bounce came to its end [s]
 
 
@@ -129,6 +131,7 @@ class World:
     clear: np.ndarray = field(init=False)  # (pairs,) until when each pair cannot touch [s]
     hits: np.ndarray = field(init=False)  # (pairs,) whether it does then
     moving: bool = field(init=False)  # whether some fixed body moves
+    mu: np.ndarray = field(init=False)  # (pairs,) coefficients of friction
     contacts: Contacts | None = None  # that last, of all held bodies
     held: dict[int, Held] = field(default_factory=dict)  # running number -> contact with its force
     forces: list[Held] = field(default_factory=list)
@@ -145,6 +148,9 @@ class World:
         self.hits = np.zeros(len(self.detector.pairs), dtype=bool)
         self.moving = any(b.fixed and (any(b.velocity) or any(b.acceleration)) for b in self.scene.bodies)
         self.step = 1e-2 * self.scales.time
+        self.mu = np.zeros(len(self.detector.pairs))
+        if self.parts.law.friction is not None:
+            self.mu[:] = [self.parts.law.friction.of(*self.names(a, b)) for a, b in self.detector.pairs.tolist()]
 
     @property
     def t(self) -> float:

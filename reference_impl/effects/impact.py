@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from reference_impl.contact_problem import solve
+from reference_impl.effects.rough_impact import RoughCollision
 
 PASSES = 60  # of simultaneous impulses at one instant, before what still approaches stops dead
 
@@ -53,49 +54,55 @@ class Collision(NamedTuple):
         """Normal relative velocities u after `impulses` [m/s]."""
         return self.rows @ (self.motion + self.rows.T @ impulses) + self.drift
 
+    def nothing(self) -> np.ndarray:
+        """No impulses."""
+        return np.zeros(len(self.drift))
+
+    def bounce(self, impulses: np.ndarray, chosen: np.ndarray, e: np.ndarray) -> np.ndarray:
+        """Impulses added at once at the `chosen` contacts: p >= 0, u⁺ >= -e u⁻, p (u⁺ + e u⁻) = 0.
+
+        One contact has a closed form; several are a contact problem.
+        """
+        out = self.nothing()
+        rows = self.rows[chosen]
+        u = self.speeds(impulses)[chosen]
+        if len(u) == 1:
+            out[chosen] = normal_impulse(float(u[0]), float(rows[0] @ rows[0]), float(e[chosen][0]))
+            return out
+        factor = 1.0 + e[chosen]
+        every = np.ones(len(u), dtype=bool)  # the guess that all push: of the splits that are possible, the most even
+        if np.all(factor == factor[0]):  # then u⁺ + e u⁻ = G (y⁺ + e y⁻) + (1 + e) drift
+            motion = factor[0] * (self.motion + self.rows.T @ impulses)
+            out[chosen] = solve(rows, motion, -factor[0] * self.drift[chosen], guess=every).f
+        else:
+            out[chosen] = solve(rows, np.zeros(rows.shape[1]), -factor * u, guess=every).f
+        return out
+
+
+Meeting = Collision | RoughCollision
+
 
 class Outcome(NamedTuple):
     """What a law makes of a collision."""
 
-    impulses: np.ndarray  # (m,) summed over all passes [N s]
+    impulses: np.ndarray  # (m,) summed over all passes [N s]; (m, 3) with friction
     passes: int  # solves it took
 
 
-def bounce(collision: Collision, impulses: np.ndarray, chosen: np.ndarray, e: np.ndarray) -> np.ndarray:
-    """Impulses added at once at the `chosen` contacts: p >= 0, u⁺ >= -e u⁻, p (u⁺ + e u⁻) = 0.
-
-    One contact has a closed form; several are a contact problem.
-    """
-    out = np.zeros(len(impulses))
-    rows = collision.rows[chosen]
-    u = collision.speeds(impulses)[chosen]
-    if len(u) == 1:
-        out[chosen] = normal_impulse(float(u[0]), float(rows[0] @ rows[0]), float(e[chosen][0]))
-        return out
-    factor = 1.0 + e[chosen]
-    every = np.ones(len(u), dtype=bool)  # the guess that all push: of the splits that are possible, the most even
-    if np.all(factor == factor[0]):  # then u⁺ + e u⁻ = G (y⁺ + e y⁻) + (1 + e) drift
-        motion = factor[0] * (collision.motion + collision.rows.T @ impulses)
-        out[chosen] = solve(rows, motion, -factor[0] * collision.drift[chosen], guess=every).f
-    else:
-        out[chosen] = solve(rows, np.zeros(rows.shape[1]), -factor * u, guess=every).f
-    return out
-
-
-def stop(collision: Collision, impulses: np.ndarray) -> np.ndarray:
+def stop(collision: Meeting, impulses: np.ndarray) -> np.ndarray:
     """Impulses added so that nothing approaches any more and nothing bounces (e = 0 at every contact)."""
     everything = np.ones(len(impulses), dtype=bool)
-    return bounce(collision, impulses, everything, np.zeros(len(impulses)))
+    return collision.bounce(impulses, everything, np.zeros(len(impulses)))
 
 
-def propagation(collision: Collision) -> Outcome:
+def propagation(collision: Meeting) -> Outcome:
     """Simultaneous impulses at all approaching contacts, repeated until none approaches.
 
     For e = 1 these are the generalised reflections of Smith, Kaufman, Vouga, Tamstorf and Grinspun
     (Reflections on simultaneous impact, SIGGRAPH 2012); for bodies in a line, the limit of small gaps.
     Contacts without any restitution are solved at once, which is where the repetition would lead.
     """
-    impulses = np.zeros(len(collision.drift))
+    impulses = collision.nothing()
     for passes in range(PASSES):
         u = collision.speeds(impulses)
         chosen = u < -collision.floor
@@ -105,18 +112,18 @@ def propagation(collision: Collision) -> Outcome:
         if not e[chosen].any():
             chosen = np.ones(len(u), dtype=bool)
             e = np.zeros(len(u))
-        impulses = impulses + bounce(collision, impulses, chosen, e)
+        impulses = impulses + collision.bounce(impulses, chosen, e)
     return Outcome(impulses + stop(collision, impulses), PASSES + 1)
 
 
-def sequential(collision: Collision) -> Outcome:
+def sequential(collision: Meeting) -> Outcome:
     """One contact at a time, the fastest approach first, until none approaches.
 
     Of equally fast ones the first in scene order: the result of a symmetric impact is not symmetric.
     Baraff, SIGGRAPH course notes (1997), section 8, treats collisions in this way.
     """
     m = len(collision.drift)
-    impulses = np.zeros(m)
+    impulses = collision.nothing()
     most = 200 * m + 2000
     for passes in range(most):
         u = collision.speeds(impulses)
@@ -126,28 +133,28 @@ def sequential(collision: Collision) -> Outcome:
             return Outcome(impulses, passes)
         chosen = np.zeros(m, dtype=bool)
         chosen[first] = True
-        impulses = impulses + bounce(collision, impulses, chosen, collision.e(u))
+        impulses = impulses + collision.bounce(impulses, chosen, collision.e(u))
     return Outcome(impulses + stop(collision, impulses), most + 1)
 
 
-def simultaneous(collision: Collision) -> Outcome:
+def simultaneous(collision: Meeting) -> Outcome:
     """All contacts at once: 0 <= p, u⁺ + e u⁻ >= 0, p·(u⁺ + e u⁻) = 0 with the u⁻ of before the impact.
 
     Baraff, Analytical methods for dynamic simulation of non-penetrating rigid bodies, SIGGRAPH 1989;
     Moreau's law.  A contact that was separating may approach afterwards, so this too is repeated.
     """
     m = len(collision.drift)
-    impulses = np.zeros(m)
+    impulses = collision.nothing()
     everything = np.ones(m, dtype=bool)
     for passes in range(PASSES):
         u = collision.speeds(impulses)
         if not (u < -collision.floor).any():
             return Outcome(impulses, passes)
-        impulses = impulses + bounce(collision, impulses, everything, collision.e(u))
+        impulses = impulses + collision.bounce(impulses, everything, collision.e(u))
     return Outcome(impulses + stop(collision, impulses), PASSES + 1)
 
 
-LAWS: dict[str, Callable[[Collision], Outcome]] = {
+LAWS: dict[str, Callable[[Meeting], Outcome]] = {
     "propagation": propagation,
     "sequential": sequential,
     "simultaneous": simultaneous,

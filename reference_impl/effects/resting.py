@@ -180,10 +180,15 @@ def push(island: Island, problem: Problem, pose: Pose, b: Bodies, solver: str, g
         If no forces keep the bodies apart.
     """
     answer = solve(problem.g, problem.free, problem.least, solver, guess)
+    return Push(answer.f, *accelerations(island, answer.x, pose, b), answer.residual)
+
+
+def accelerations(island: Island, scaled: np.ndarray, pose: Pose, b: Bodies) -> tuple[np.ndarray, np.ndarray]:
+    """Accelerations [m/s2] and rates of the angular momenta [N m], both (bodies, 3), of a scaled acceleration."""
     acceleration, torque = np.empty((len(island.bodies), 3)), np.empty((len(island.bodies), 3))
-    _unscaled(island.bodies, answer.x, pose.rotation, pose.w, pose.L, b.inverse_mass, b.inertia, b.root,
+    _unscaled(island.bodies, scaled, pose.rotation, pose.w, pose.L, b.inverse_mass, b.inertia, b.root,
               acceleration, torque)  # fmt: skip
-    return Push(answer.f, acceleration, torque, answer.residual)
+    return acceleration, torque
 
 
 @kernel

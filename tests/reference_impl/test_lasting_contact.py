@@ -208,8 +208,7 @@ def test_rest_that_is_not_declared_is_an_error_of_the_scene():
 
 
 @pytest.mark.parametrize(("effect", "shape", "match"), [
-    (Friction(0.3), Sphere(0.1), "Friction with a coefficient of 0.3"),
-    (Friction(0.0, {("b", "floor"): 0.2}), Sphere(0.1), "Friction with a coefficient of 0.2"),
+    (Friction(0.3), Capsule(0.1, 0.2), "'b', a Capsule"),
     (Friction(0.0), Capsule(0.1, 0.2), "'b', a Capsule"),
 ])  # fmt: skip
 def test_what_cannot_touch_is_refused_before_the_first_step(effect, shape, match):

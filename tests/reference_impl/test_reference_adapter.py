@@ -33,7 +33,6 @@ def test_it_keeps_every_law_of_an_engine(name):
 
 
 @pytest.mark.parametrize(("scene", "match"), [
-    (Scene((FLOOR, BALL), (Gravity(), Friction(0.4))), "Friction with a coefficient of 0.4"),
     (Scene((BALL, OTHER), (Spring("ball", "other", 1.0, 1.0),)), "Spring"),
     (Scene((BALL, OTHER), (Rod("ball", "other"),)), "Rod"),
     (Scene((BALL, OTHER), (Tether("ball", "other", 2.0),)), "Tether"),

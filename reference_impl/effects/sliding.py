@@ -1,0 +1,114 @@
+"""Lasting contact with friction: forces at contacts that slide, roll or hold.
+
+A contact that slides has the friction µ f against its slip direction, and f >= 0, gap'' >= 0, f·gap'' = 0.  A
+contact that does not has a force anywhere within the cone, and either its points keep moving together or they
+begin to slide against the force (`friction_problem` at the level of accelerations).  Between events each contact
+stays in one of the two classes, and a slip direction turns continuously.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from reference_impl.effects.friction import frames, rough, slips
+from reference_impl.effects.resting import Island, Pose, Problem, Push, accelerations
+from reference_impl.friction_problem import HOLDS, OFF, SLIPS, Answer, Rough, solve
+from reference_impl.state import Bodies
+
+BEGINS = 1e-9  # acceleration from which a contact begins to slide [speed scale / time scale]
+
+
+class Grip(NamedTuple):
+    """Class of each contact of an island between two events."""
+
+    mu: np.ndarray  # (m,)
+    slides: np.ndarray  # (m,) bool
+    way: np.ndarray  # (m, 3) slip direction where it slides
+    moves: np.ndarray  # (m,) bool: it slides already, and does not only begin to
+
+
+def forces(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Grip, floor: float,
+           guess: np.ndarray | None = None) -> tuple[Answer, Rough, np.ndarray, np.ndarray]:  # fmt: skip
+    """Contact forces (m, 3) along normal and tangents, the rows they belong to, the tangents, and the slips.
+
+    Parameters
+    ----------
+    floor : float
+        Slip slower than this has the direction that `grip` says [m/s].
+    guess : (m,) array of int, optional
+        States of the contacts a moment ago.
+
+    Raises
+    ------
+    NoSolution
+        If there are no such forces (Painlevé) or no solver finds them.
+    """
+    s = slips(island.contacts, problem.k, pose, b)
+    speed = np.sqrt((s.velocity**2).sum(axis=1))
+    way = np.where((grip.slides & (speed > floor))[:, None], s.velocity, grip.way)
+    # past a reversal that is still to be located the force goes on smoothly
+    way[(way * grip.way).sum(axis=1) < 0.0] *= -1.0
+    tangents = frames(problem.k.normal, way)
+    p = rough(island, problem, pose, b, tangents, grip.mu, grip.slides)
+    least = np.empty((len(speed), 3))
+    least[:, 0] = problem.least
+    least[:, 1:] = -np.einsum("ijk,ik->ij", tangents, s.bias + s.pulled)
+    p = p._replace(c=problem.free, d=least.ravel())
+    return solve(p, guess=guess), p, tangents, s.velocity
+
+
+def states(answer: Answer, grip: Grip) -> np.ndarray:
+    """State of each contact, to be the guess a moment later."""
+    return np.where(answer.r[:, 0] > 0.0, np.where(grip.slides, SLIPS, HOLDS), OFF)
+
+
+def pressed(grip: Grip) -> np.ndarray:
+    """The guess that every contact pushes: of several splits of the load the most even one."""
+    return np.where(grip.slides, SLIPS, HOLDS)
+
+
+def grip_of(
+    island: Island, problem: Problem, pose: Pose, b: Bodies, mu: np.ndarray, floor: float, begins: float
+) -> Grip:
+    """Which contacts slide, and where to: faster than `floor` [m/s] and those about to, above `begins` [m/s2]."""
+    s = slips(island.contacts, problem.k, pose, b)
+    speed = np.sqrt((s.velocity**2).sum(axis=1))
+    moves = (speed > floor) & (mu > 0.0)
+    way = np.zeros_like(s.velocity)
+    way[moves] = s.velocity[moves] / speed[moves, None]
+    grip = Grip(mu, moves | (mu == 0.0), way, moves)
+    if grip.slides.all():
+        return grip
+    answer, _, tangents, _ = forces(island, problem, pose, b, grip, floor, pressed(grip))
+    start = np.sqrt((answer.u[:, 1:] ** 2).sum(axis=1))
+    begin = ~grip.slides & (start > begins)
+    size = np.sqrt((answer.r[:, 1:] ** 2).sum(axis=1))
+    begin &= (answer.r[:, 0] > 0.0) & (size > 0.0)
+    way[begin] = np.einsum("ij,ijk->ik", answer.u[begin, 1:] / start[begin, None], tangents[begin])
+    return Grip(mu, grip.slides | begin, way, moves)
+
+
+def rough_push(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Grip, floor: float,
+               guess: np.ndarray | None = None) -> tuple[Push, np.ndarray, np.ndarray]:  # fmt: skip
+    """Contact forces of an island with friction and the motion they cause; friction (m, 3) [N]; states of the contacts.
+
+    Raises
+    ------
+    NoSolution
+        If there are no such forces.
+    """
+    answer, _, tangents, _ = forces(island, problem, pose, b, grip, floor, guess)
+    acceleration, torque = accelerations(island, answer.x, pose, b)
+    friction = np.einsum("ij,ijk->ik", answer.r[:, 1:], tangents)
+    return Push(answer.r[:, 0], acceleration, torque, answer.residual), friction, states(answer, grip)
+
+
+def reversing(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Grip, loaded: np.ndarray) -> float:
+    """Least slip along its first direction of the loaded contacts that slide [m/s]; inf if there is none."""
+    chosen = grip.moves & loaded
+    if not chosen.any():
+        return np.inf
+    s = slips(island.contacts, problem.k, pose, b)
+    return float((s.velocity * grip.way).sum(axis=1)[chosen].min())
