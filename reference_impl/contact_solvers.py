@@ -100,21 +100,42 @@ def osqp_dual(g: np.ndarray, c: np.ndarray, d: np.ndarray, start: np.ndarray | N
     A squares the condition number of G and is singular for redundant contacts: a lid of mass ratio 1e6 on
     a stack ends in "dual infeasible" or in forces that are wrong altogether.
     """
-    from scipy import sparse
+    return SquareProgram(len(d)).solve(g, c, d, start)
 
-    b = g @ c - d
-    scale = float(np.abs(b).max())
-    if (b >= 0.0).all():
-        return np.zeros(len(d))
-    m = len(d)
-    problem = _osqp(
-        P=sparse.csc_matrix(np.triu(g @ g.T)), q=b / scale, A=sparse.eye(m, format="csc"), l=np.zeros(m),
-        u=np.full(m, np.inf),
-    )  # fmt: skip
-    if start is not None:
-        problem.warm_start(x=start / scale)
-    f = _polished(problem).x
-    return np.full(m, np.nan) if f is None else np.maximum(f, 0.0) * scale
+
+class SquareProgram:
+    """The quadratic program of A f + b for m contacts, kept: each solve starts where the last one ended."""
+
+    def __init__(self, m: int) -> None:
+        self.m = m
+        self._upper = np.tril_indices(m)  # of the transposed: the upper triangle by columns, as OSQP keeps it
+        self._problem: Any = None
+
+    def solve(self, g: np.ndarray, c: np.ndarray, d: np.ndarray, start: np.ndarray | None = None) -> np.ndarray:
+        """Forces (m,), as `osqp_dual`."""
+        b = g @ c - d
+        if (b >= 0.0).all():
+            return np.zeros(self.m)
+        scale = float(np.abs(b).max())
+        self._pose(g @ g.T, b / scale)
+        if start is not None:
+            self._problem.warm_start(x=start / scale)
+        f = _polished(self._problem).x
+        return np.full(self.m, np.nan) if f is None else np.maximum(f, 0.0) * scale
+
+    def _pose(self, a: np.ndarray, b: np.ndarray) -> None:
+        if self._problem is not None:
+            self._problem.update_settings(polishing=False)
+            self._problem.update(Px=a[self._upper], q=b)
+            return
+        from scipy import sparse
+
+        rows = np.concatenate([np.arange(k + 1) for k in range(self.m)])
+        starts = np.concatenate([[0], np.cumsum(np.arange(1, self.m + 1))])
+        # zeros are kept: the next matrix may have something there
+        upper = sparse.csc_matrix((a[self._upper], rows, starts), shape=(self.m, self.m))
+        identity = sparse.eye(self.m, format="csc")
+        self._problem = _osqp(P=upper, q=b, A=identity, l=np.zeros(self.m), u=np.full(self.m, np.inf))
 
 
 def _osqp(**problem: Any) -> Any:

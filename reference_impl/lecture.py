@@ -29,7 +29,7 @@ from mechanics.scene import Scene
 from reference_impl.assemble import LECTURE
 from reference_impl.collide.detect import Contacts
 from reference_impl.contact_problem import residual
-from reference_impl.contact_solvers import osqp_dual
+from reference_impl.contact_solvers import SquareProgram
 from reference_impl.effects.impact import Collision, sequential
 from reference_impl.effects.resting import Island, Problem, islands
 from reference_impl.errors import MissingEffect, Stalled, Unsupported
@@ -61,6 +61,7 @@ class LectureWorld(Stepped):
     tolerance: float = 0.0  # [m]
     floor: float = 0.0  # slower approach is none [m/s]
     audit: Audit = field(default_factory=Audit)
+    programs: dict[int, SquareProgram] = field(default_factory=dict)
     pushing: list[tuple[Island, Problem, np.ndarray]] = field(default_factory=list)
 
     def move(self, end: float) -> None:
@@ -211,7 +212,8 @@ class LectureWorld(Stepped):
         """
         length = np.sqrt(np.einsum("ij,ij->i", problem.g, problem.g))
         g, least = problem.g / length[:, None], problem.least / length
-        f = osqp_dual(g, problem.free, least)
+        program = self.programs.setdefault(len(least), SquareProgram(len(least)))
+        f = program.solve(g, problem.free, least)
         if not np.isfinite(f).all():
             raise Stalled(f"OSQP has no answer to A f + b of {len(f)} contacts", self.t)
         self.audit.residual = max(self.audit.residual, residual(g, problem.free, least, f))
