@@ -106,13 +106,10 @@ class LectureWorld(Stepped):
             f = self.contact_forces(problem)
             self.require_resting(island, f)
             self.pushing.append((island, problem, f))
-            for (a, b), n, p, push in zip(
-                island.contacts.kinds[:, :2].tolist(), problem.k.normal, problem.k.point, f.tolist(), strict=True
-            ):
-                force[a] += push * n
-                force[b] -= push * n
-                torque[a] += np.cross(p - pose.x[a], push * n)
-                torque[b] -= np.cross(p - pose.x[b], push * n)
+            push = f[:, None] * problem.k.normal
+            for i, on_i in ((island.contacts.kinds[:, 0], push), (island.contacts.kinds[:, 1], -push)):
+                np.add.at(force, i, on_i)
+                np.add.at(torque, i, np.cross(problem.k.point - pose.x[i], on_i))
         return self.flow(y, pose, force, torque)
 
     # time of contact
