@@ -16,7 +16,7 @@ kept to be compared with `simulate`, and has the faults of its kind:
 - a contact is found when it overlaps by the tolerance, and what a step leaves of a gap stays there;
 - contacts met at once get impulses in turn, so that a flat landing depends on the order of the corners;
 - approach slower than a step of free fall does not bounce (the threshold between collision and rest);
-- A squares the condition number, and a heavy lid on a stack leaves OSQP without an answer.
+- A squares the condition number: under a heavy lid OSQP's answer is none, and the certificate says so.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ import numpy as np
 from mechanics.scene import Scene
 from reference_impl.assemble import LECTURE
 from reference_impl.collide.detect import Contacts
-from reference_impl.contact_problem import residual
+from reference_impl.contact_problem import USABLE, residual
 from reference_impl.contact_solvers import SquareProgram
 from reference_impl.effects.impact import Collision, sequential
 from reference_impl.effects.resting import Island, Problem, islands
@@ -205,15 +205,16 @@ class LectureWorld(Stepped):
         Raises
         ------
         Stalled
-            If OSQP returns none.
+            If OSQP returns none, or one whose certificate is not usable.
         """
         length = np.sqrt(np.einsum("ij,ij->i", problem.g, problem.g))
         g, least = problem.g / length[:, None], problem.least / length
         program = self.programs.setdefault(len(least), SquareProgram(len(least)))
         f = program.solve(g, problem.free, least)
-        if not np.isfinite(f).all():
-            raise Stalled(f"OSQP has no answer to A f + b of {len(f)} contacts", self.t)
-        self.audit.residual = max(self.audit.residual, residual(g, problem.free, least, f))
+        certificate = residual(g, problem.free, least, f) if np.isfinite(f).all() else np.inf
+        if certificate > USABLE:
+            raise Stalled(f"OSQP has no answer to A f + b of {len(f)} contacts (certificate {certificate:.3g})", self.t)
+        self.audit.residual = max(self.audit.residual, certificate)
         return f / length
 
     def require_resting(self, island: Island, f: np.ndarray) -> None:
