@@ -109,6 +109,19 @@ def test_four_corners_are_four_springs():
     assert [h.force for h in world.forces] == pytest.approx([2.0 * 9.81 / 4.0] * 4, rel=1e-6)
 
 
+@pytest.mark.parametrize("e", [0.8, 0.5])
+def test_four_corners_at_once_have_another_restitution(e):
+    length, width, height = size = (1.0, 0.5, 0.5)
+    box = Body("box", Box(size), 1.0, (0.0, 0.0, 0.25), velocity=(0.0, 0.0, -1.0))
+    world = begin(Scene((FLOOR, box), (Restitution(e), Rotation())), 2e-5, DEPTH)
+    world.advance(0.02)
+    # mobility of one corner times the mass; that of all four together is 4
+    alone = 1.0 + 3.0 * width**2 / (width**2 + height**2) + 3.0 * length**2 / (length**2 + height**2)
+    expected = restitution_of(damping_ratio(e) * math.sqrt(4.0 / alone))
+    assert expected > e + 0.01
+    assert world.state().v[1, 2] == pytest.approx(expected, abs=1e-3)
+
+
 def test_the_price_of_a_depth_is_the_step():
     for depth, dt in ((1e-4, 1e-3), (1e-6, 1e-3), (1e-6, 1e-4)):
         world = begin(landing(1.0), dt, depth)
