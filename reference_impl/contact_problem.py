@@ -50,7 +50,7 @@ def residual(g: np.ndarray, c: np.ndarray, d: np.ndarray, f: np.ndarray) -> floa
     return float(np.abs(np.minimum(f, a)).max()) / scale
 
 
-def solve(g: np.ndarray, c: np.ndarray, d: np.ndarray, solver: str = "nnls", guess: np.ndarray | None = None) -> Answer:
+def solve(g: np.ndarray, c: np.ndarray, d: np.ndarray, solver: str = "auto", guess: np.ndarray | None = None) -> Answer:
     """Solution of the contact problem with its certificate.
 
     Parameters

@@ -47,7 +47,7 @@ class Settings:
 
     impact_law: str = "propagation"
     time_of_contact: str = "advancement"
-    solver: str = "nnls"
+    solver: str = "auto"
     tolerance: float = 1e-12
     events: int = 1_000_000
 
