@@ -26,14 +26,13 @@ from typing import NamedTuple
 import numpy as np
 
 from reference_impl.contact_problem import NoSolution
-from reference_impl.friction_solvers import newton, pivot, rate, relax, sweep
+from reference_impl.friction_solvers import HOLDS, OFF, SLIPS, hold, newton, pivot, rate, relax, sweep
 
 GOOD = 1e-12  # certificate at which the search ends
+CLOSED = 1e-9  # relative motion along the normal up to which a contact stays closed
 USABLE = 1e-9  # certificate above which an answer is refused
 SWEEPS = (30, 300, 3_000, 20_000)  # of non-smooth Gauss-Seidel, each followed by Newton's method
 MODELS = ("exact", "pyramid", "convex")
-OFF, HOLDS, SLIPS = 0, 1, 2
-RANK = 1e-12  # relative singular value below which contacts count as redundant
 
 
 class Answer(NamedTuple):
@@ -44,6 +43,7 @@ class Answer(NamedTuple):
     u: np.ndarray  # (m, 3) relative motion of the contacts
     residual: float  # natural-map certificate, relative
     solver: str  # whose answer it is
+    states: np.ndarray  # (m,) OFF, HOLDS or SLIPS, to be the guess a moment later
 
 
 class Rough(NamedTuple):
@@ -85,14 +85,19 @@ def solve(problem: Rough, model: str = "exact", sides: int = 4, guess: np.ndarra
     if not residual <= USABLE:
         raise NoSolution(f"no solver solves the friction of {len(length)} contacts (best certificate {residual:.3g})")
     u = (unit.g @ x - unit.d).reshape(-1, 3)
-    return Answer(r.reshape(-1, 3) / length[:, None], x, u * length[:, None], residual, solver)
+    pressed = (r[::3] > 0.0) | (u[:, 0] <= CLOSED * _scale(unit))
+    states = np.where(pressed, np.where(unit.slides, SLIPS, HOLDS), OFF)
+    return Answer(r.reshape(-1, 3) / length[:, None], x, u * length[:, None], residual, solver, states)
+
+
+def _scale(p: Rough) -> float:
+    return max(float(np.sqrt(p.c @ p.c)), float(np.abs(p.d).max()), 1e-300)
 
 
 def residual(problem: Rough, r: np.ndarray, convex: bool = False) -> float:
     """How far r (3 m,) is from a solution: max |r - P_K(r - u - µ|u_T| n)| over max(|c|, |d|); unit normal rows."""
     x = problem.c + problem.g.T @ r
-    scale = max(float(np.sqrt(problem.c @ problem.c)), float(np.abs(problem.d).max()), 1e-300)
-    return rate(problem.g @ x - problem.d, r, problem.mu, problem.slides, convex) / scale
+    return rate(problem.g @ x - problem.d, r, problem.mu, problem.slides, convex) / _scale(problem)
 
 
 def _unit(problem: Rough) -> tuple[Rough, np.ndarray]:
@@ -104,7 +109,19 @@ def _unit(problem: Rough) -> tuple[Rough, np.ndarray]:
 
 
 def _searched(p: Rough, convex: bool, guess: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, float, str]:
-    """The best answer of the portfolio: (r, x, residual, solver)."""
+    """The best answer; where contacts slide, with the most even split of the load (see `friction_solvers.hold`)."""
+    best = _portfolio(p, convex, guess)
+    if p.slides.any() and best[3] != "guess" and best[2] <= USABLE:
+        even = _held(p, *_modes(p, best[0]))
+        if even is not None:
+            value = residual(p, even[0], convex)
+            if value <= GOOD:
+                return (*even, value, best[3])
+    return best
+
+
+def _portfolio(p: Rough, convex: bool, guess: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, float, str]:
+    """The best answer of all solvers: (r, x, residual, solver)."""
     best = (np.zeros(len(p.d)), p.c, np.inf, "none")
 
     def offer(r: np.ndarray, x: np.ndarray | None, name: str) -> bool:
@@ -150,9 +167,10 @@ def _modes(p: Rough, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     size = np.sqrt(f[:, 1] ** 2 + f[:, 2] ** 2)
     u = (p.g @ (p.c + p.g.T @ r) - p.d).reshape(-1, 3)
     slip = np.sqrt(u[:, 1] ** 2 + u[:, 2] ** 2)
-    scale = max(float(np.abs(p.d).max()), float(np.sqrt(p.c @ p.c)), 1e-300)
+    scale = _scale(p)
     push = f[:, 0] > 1e-13 * scale
     edge = push & (size >= (1.0 - 1e-6) * p.mu * f[:, 0]) & (slip > 1e-9 * scale)
+    push |= p.slides & (u[:, 0] <= CLOSED * scale)
     modes = np.where(push, np.where(edge | (p.mu == 0.0) | p.slides, SLIPS, HOLDS), OFF)
     way = np.zeros((len(f), 2))
     way[edge] = u[edge, 1:] / slip[edge, None]
@@ -166,49 +184,14 @@ def _held(p: Rough, modes: np.ndarray, way: np.ndarray | None) -> tuple[np.ndarr
     A contact that holds has all three relative motions zero; one that slips has its friction fixed to µ times
     its normal force, against `way`.
     """
-    m = len(p.mu)
-    on, hold = modes != OFF, modes == HOLDS
-    slip = modes == SLIPS
-    keep = np.zeros((m, 3), dtype=bool)
-    keep[on, 0] = True
-    keep[hold, 1:] = True
-    keep = keep.ravel()
-    r = np.zeros(3 * m)
-    if not keep.any():
-        return r, p.c
     if way is None:
-        way = np.zeros((m, 2))
+        way = np.zeros((len(p.mu), 2))
         way[p.slides] = (1.0, 0.0)
-    rows, target = p.g[keep], p.d[keep]
-    columns = rows
-    if slip.any():
-        whole = p.g.reshape(m, 3, -1)
-        pushed = p.g.copy()
-        pushed[::3][slip] -= p.mu[slip, None] * np.einsum("ij,ijk->ik", way[slip], whole[slip, 1:])
-        columns = pushed[keep]
-    x = p.c
-    force = np.zeros(int(keep.sum()))
+    r, x = np.zeros(len(p.d)), p.c.copy()
     try:
-        if columns is rows:
-            u, s, vt = np.linalg.svd(rows, full_matrices=False)
-            rank = int((s > RANK * s[0]).sum())
-            u, s, vt = u[:, :rank], s[:rank], vt[:rank]
-            for _ in range(2):
-                change = (u.T @ target) / s - vt @ x
-                force += u @ (change / s)
-                x = x + vt.T @ change
-        else:
-            inverse = np.linalg.pinv(rows @ columns.T, rcond=RANK)
-            for _ in range(3):
-                change = inverse @ (target - rows @ x)
-                force += change
-                x = x + columns.T @ change
-    except np.linalg.LinAlgError:
+        return (r, x) if hold(p.g, p.c, p.d, p.mu, modes, way, r, x) else None
+    except (ValueError, np.linalg.LinAlgError):  # a matrix that is not finite
         return None
-    r[keep] = force
-    f = r.reshape(m, 3)
-    f[slip, 1:] = -(p.mu[slip] * f[slip, 0])[:, None] * way[slip]
-    return r, x
 
 
 def _sliding(p: Rough) -> np.ndarray:
@@ -255,7 +238,7 @@ def _pyramid(p: Rough, sides: int) -> tuple[np.ndarray, np.ndarray, float, str]:
     z = pivot(matrix, free)
     if not np.isfinite(z).all():
         return np.zeros(3 * m), p.c, np.inf, "pivots"
-    scale = max(float(np.sqrt(p.c @ p.c)), float(np.abs(p.d).max()), 1e-300)
+    scale = _scale(p)
     worth = float(np.abs(np.minimum(z, matrix @ z + free)).max()) / scale
     z = z.reshape(m, size)
     r = np.zeros((m, 3))

@@ -14,7 +14,8 @@ import numpy as np
 
 from reference_impl.effects.friction import frames, rough, slips
 from reference_impl.effects.resting import Island, Pose, Problem, Push, accelerations
-from reference_impl.friction_problem import HOLDS, OFF, SLIPS, Answer, Rough, solve
+from reference_impl.friction_problem import Answer, Rough, solve
+from reference_impl.friction_solvers import HOLDS, SLIPS
 from reference_impl.state import Bodies
 
 BEGINS = 1e-9  # acceleration from which a contact begins to slide [speed scale / time scale]
@@ -59,11 +60,6 @@ def forces(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Grip, 
     return solve(p, guess=guess), p, tangents, s.velocity
 
 
-def states(answer: Answer, grip: Grip) -> np.ndarray:
-    """State of each contact, to be the guess a moment later."""
-    return np.where(answer.r[:, 0] > 0.0, np.where(grip.slides, SLIPS, HOLDS), OFF)
-
-
 def pressed(grip: Grip) -> np.ndarray:
     """The guess that every contact pushes: of several splits of the load the most even one."""
     return np.where(grip.slides, SLIPS, HOLDS)
@@ -102,7 +98,7 @@ def rough_push(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Gr
     answer, _, tangents, _ = forces(island, problem, pose, b, grip, floor, guess)
     acceleration, torque = accelerations(island, answer.x, pose, b)
     friction = np.einsum("ij,ijk->ik", answer.r[:, 1:], tangents)
-    return Push(answer.r[:, 0], acceleration, torque, answer.residual), friction, states(answer, grip)
+    return Push(answer.r[:, 0], acceleration, torque, answer.residual), friction, answer.states
 
 
 def reversing(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Grip, loaded: np.ndarray) -> float:
