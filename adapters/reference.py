@@ -10,6 +10,7 @@ the algorithm of Baraff's lecture notes, and contact as springs.  They are there
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
@@ -17,7 +18,7 @@ from functools import cached_property
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
-from adapters.engine import BadScene, ContactForce, Diverged, Impact, Refusal, Settings
+from adapters.engine import BadScene, ContactForce, Diverged, Impact, Knob, Refusal, Settings
 from adapters.translate import TIME_STEPS
 from mechanics.effects import Drag, Effect, Force, Friction, Gravity, Resting, Restitution, Rotation
 from mechanics.scene import Scene
@@ -37,7 +38,7 @@ class Draft:
     effects: list[Effect] = field(default_factory=list)
 
 
-class Profile:
+class Profile(ABC):
     """One method of the reference engine, as an engine.
 
     Parameters
@@ -45,8 +46,8 @@ class Profile:
     name : str
     """
 
-    knobs: Mapping[str, tuple[float, ...]]
-    defaults: Mapping[str, float]
+    knobs: Mapping[str, tuple[Knob, ...]]
+    defaults: Mapping[str, Knob]
     profile: Mapping[str, str] = {}
     table: str  # name in `reference_impl.assemble`
     remarks: Mapping[type[Effect], str] = {}  # what is approximated
@@ -84,8 +85,9 @@ class Profile:
         with _translated():
             return self._begin(Scene(draft.scene.bodies, tuple(draft.effects)), knobs)
 
+    @abstractmethod
     def _begin(self, scene: Scene, knobs: Settings) -> Any:
-        raise NotImplementedError
+        """World of the method at t = 0."""
 
     def advance(self, world: Any, duration: float) -> None:
         """Carry the world `duration` [s] on.
@@ -130,8 +132,12 @@ class Reference(Profile):
         One of `reference_impl.effects.impact.LAWS`.
     """
 
-    knobs: Mapping[str, tuple[float, ...]] = {"tolerance": (1e-6, 1e-9, 1e-12)}
-    defaults: Mapping[str, float] = {"tolerance": 1e-12}
+    knobs: Mapping[str, tuple[Knob, ...]] = {
+        "tolerance": (1e-6, 1e-9, 1e-12),
+        "time_of_contact": ("bisection", "advancement"),
+        "solver": ("pgs", "lemke", "osqp_dual", "osqp", "dantzig", "nnls", "auto"),
+    }
+    defaults: Mapping[str, Knob] = {"tolerance": 1e-12, "time_of_contact": "advancement", "solver": "auto"}
     table = "IMPULSES"
     events = _events
 
@@ -143,7 +149,13 @@ class Reference(Profile):
         from reference_impl.simulate import begin
         from reference_impl.world import Settings as Choices
 
-        return begin(scene, Choices(impact_law=self.impact_law, tolerance=float(knobs["tolerance"])))
+        choices = Choices(
+            impact_law=self.impact_law,
+            time_of_contact=str(knobs["time_of_contact"]),
+            solver=str(knobs["solver"]),
+            tolerance=float(knobs["tolerance"]),
+        )
+        return begin(scene, choices)
 
     def advance(self, world: Any, duration: float) -> None:
         """Carry the world `duration` [s] on; raises as `Profile.advance`."""
