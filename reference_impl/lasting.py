@@ -18,7 +18,7 @@ from reference_impl.effects.sliding import Grip, grip_of, reversing, rough_push
 from reference_impl.errors import Stalled
 from reference_impl.integrators import RungeKutta8, hermite, where
 from reference_impl.kernels import spin, spin_rate
-from reference_impl.rough import begins, jam, slow
+from reference_impl.rough import jam, limits
 from reference_impl.world import HELD, World
 
 DEEP = 1e-11  # overlap that sends a step back [smallest body size]
@@ -41,14 +41,13 @@ class _Flow:
         self.pushes: list[Push] = []
         pose = Pose.now(world.motion, world.bodies)
         self.gaps: list[np.ndarray] = []
+        self.limits = limits(world)
         self.grips: list[Grip | None] = []
         for group in self.groups:
             problem, mu = group.problem(pose, world.bodies), world.mu[group.contacts.pairs]
             self.gaps.append(problem.k.gap)
             rough = mu.any()
-            self.grips.append(
-                grip_of(group, problem, pose, world.bodies, mu, slow(world), begins(world)) if rough else None
-            )
+            self.grips.append(grip_of(group, problem, pose, world.bodies, mu, self.limits) if rough else None)
 
     def pack(self) -> np.ndarray:
         m = self.world.motion
@@ -84,7 +83,7 @@ class _Flow:
                 self.active[number] = p.force > 0.0
             else:
                 p, _, self.active[number] = rough_push(
-                    group, problem, pose, world.bodies, grip, slow(world), self.active[number]
+                    group, problem, pose, world.bodies, grip, self.limits.slow, self.active[number]
                 )
             self.pushes.append(p)
             world.audit.residual = max(world.audit.residual, p.residual)
@@ -101,7 +100,7 @@ class _Flow:
         least = math.inf
         pose, _ = self.pose(t, y)
         for group, grip, p in zip(self.groups, self.grips, self.pushes, strict=True):
-            if grip is not None and grip.moves.any():
+            if grip is not None and grip.slides.any():
                 problem = group.problem(pose, self.world.bodies)
                 least = min(least, reversing(group, problem, pose, self.world.bodies, grip, p.force > 0.0))
         return least

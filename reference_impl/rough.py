@@ -10,7 +10,7 @@ from reference_impl.contact_problem import NoSolution
 from reference_impl.effects.friction import frames, rough, slips
 from reference_impl.effects.resting import Island, Pose, Problem, Push, nearest
 from reference_impl.effects.rough_impact import RoughCollision
-from reference_impl.effects.sliding import grip_of, pressed, rough_push
+from reference_impl.effects.sliding import Limits, grip_of, pressed, rough_push
 from reference_impl.errors import Stalled
 from reference_impl.friction_problem import solve
 from reference_impl.kernels import cross
@@ -18,17 +18,15 @@ from reference_impl.world import World
 
 SLOW = 1e-10  # slip below which a contact counts as not sliding [speed scale]
 BEGINS = 1e-9  # acceleration above which a contact begins to slide [speed scale / time scale]
+CREEP = 1e-3  # slip up to which a contact is still beginning to slide [speed scale]
+LAG = 1e-4  # time by which friction looks ahead there [time scale]
 KICK = 1e-9  # time of the loads that start an impulse where forces do not exist [time scale]
 
 
-def slow(world: World) -> float:
-    """Slip below which a contact counts as not sliding [m/s]."""
-    return SLOW * world.scales.speed
-
-
-def begins(world: World) -> float:
-    """Acceleration above which a contact begins to slide [m/s2]."""
-    return BEGINS * world.scales.speed / world.scales.time
+def limits(world: World) -> Limits:
+    """What counts as sliding in this scene."""
+    speed, time = world.scales.speed, world.scales.time
+    return Limits(SLOW * speed, BEGINS * speed / time, CREEP * speed, LAG * time)
 
 
 def rough_collision(
@@ -69,10 +67,10 @@ def rough_forces(world: World, island: Island, problem: Problem, pose: Pose, mu:
     NoSolution
         If there are no such forces.
     """
-    b, floor = world.bodies, slow(world)
-    grip = grip_of(island, problem, pose, b, mu, floor, begins(world))
-    p, friction, _ = rough_push(island, problem, pose, b, grip, floor, pressed(grip))
-    holds = ~grip.slides & (p.force > 0.0)
+    b, bounds = world.bodies, limits(world)
+    grip = grip_of(island, problem, pose, b, mu, bounds)
+    p, friction, _ = rough_push(island, problem, pose, b, grip, bounds.slow, pressed(grip))
+    holds = ~grip.slides & ~grip.creeps & (p.force > 0.0)
     if holds.any():
         s = slips(island.contacts, problem.k, pose, b)
         if s.velocity[holds].any():

@@ -18,7 +18,14 @@ from reference_impl.friction_problem import Answer, Rough, solve
 from reference_impl.friction_solvers import HOLDS, SLIPS
 from reference_impl.state import Bodies
 
-BEGINS = 1e-9  # acceleration from which a contact begins to slide [speed scale / time scale]
+
+class Limits(NamedTuple):
+    """What counts as sliding."""
+
+    slow: float  # slip below which a contact does not slide [m/s]
+    begins: float  # acceleration above which it begins to [m/s2]
+    creep: float  # slip up to which it is still beginning [m/s]
+    lag: float  # see `grip_of` [s]
 
 
 class Grip(NamedTuple):
@@ -27,7 +34,8 @@ class Grip(NamedTuple):
     mu: np.ndarray  # (m,)
     slides: np.ndarray  # (m,) bool
     way: np.ndarray  # (m, 3) slip direction where it slides
-    moves: np.ndarray  # (m,) bool: it slides already, and does not only begin to
+    creeps: np.ndarray  # (m,) bool: it begins to slide
+    lag: float  # time by which the friction of one that begins to slide looks ahead [s]
 
 
 def forces(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Grip, floor: float,
@@ -51,11 +59,14 @@ def forces(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Grip, 
     way = np.where((grip.slides & (speed > floor))[:, None], s.velocity, grip.way)
     # past a reversal that is still to be located the force goes on smoothly
     way[(way * grip.way).sum(axis=1) < 0.0] *= -1.0
-    tangents = frames(problem.k.normal, way)
+    tangents = frames(problem.k.normal, np.where(grip.creeps[:, None], s.velocity, way))
     p = rough(island, problem, pose, b, tangents, grip.mu, grip.slides)
     least = np.empty((len(speed), 3))
     least[:, 0] = problem.least
-    least[:, 1:] = -np.einsum("ijk,ik->ij", tangents, s.bias + s.pulled)
+    ahead = s.bias + s.pulled
+    if grip.creeps.any():
+        ahead[grip.creeps] += s.velocity[grip.creeps] / grip.lag
+    least[:, 1:] = -np.einsum("ijk,ik->ij", tangents, ahead)
     p = p._replace(c=problem.free, d=least.ravel())
     return solve(p, guess=guess), p, tangents, s.velocity
 
@@ -65,25 +76,27 @@ def pressed(grip: Grip) -> np.ndarray:
     return np.where(grip.slides, SLIPS, HOLDS)
 
 
-def grip_of(
-    island: Island, problem: Problem, pose: Pose, b: Bodies, mu: np.ndarray, floor: float, begins: float
-) -> Grip:
-    """Which contacts slide, and where to: faster than `floor` [m/s] and those about to, above `begins` [m/s2]."""
+def grip_of(island: Island, problem: Problem, pose: Pose, b: Bodies, mu: np.ndarray, limits: Limits) -> Grip:
+    """Which contacts slide, and which begin to.
+
+    Where slip c grows from zero its direction follows the acceleration at a rate µ f / |c| that is too stiff to follow.
+    There friction opposes the slip a moment ahead, c + lag c', which changes nothing where the direction is constant.
+    """
     s = slips(island.contacts, problem.k, pose, b)
     speed = np.sqrt((s.velocity**2).sum(axis=1))
-    moves = (speed > floor) & (mu > 0.0)
+    moves = (speed > limits.slow) & (mu > 0.0)
     way = np.zeros_like(s.velocity)
     way[moves] = s.velocity[moves] / speed[moves, None]
-    grip = Grip(mu, moves | (mu == 0.0), way, moves)
-    if grip.slides.all():
+    none = np.zeros(len(mu), dtype=np.bool_)
+    grip = Grip(mu, moves | (mu == 0.0), way, none, limits.lag)
+    doubtful = (mu > 0.0) & (speed <= limits.creep)
+    if not doubtful.any():
         return grip
-    answer, _, tangents, _ = forces(island, problem, pose, b, grip, floor, pressed(grip))
+    answer, _, tangents, _ = forces(island, problem, pose, b, grip, limits.slow, pressed(grip))
     start = np.sqrt((answer.u[:, 1:] ** 2).sum(axis=1))
-    begin = ~grip.slides & (start > begins)
-    size = np.sqrt((answer.r[:, 1:] ** 2).sum(axis=1))
-    begin &= (answer.r[:, 0] > 0.0) & (size > 0.0)
-    way[begin] = np.einsum("ij,ijk->ik", answer.u[begin, 1:] / start[begin, None], tangents[begin])
-    return Grip(mu, grip.slides | begin, way, moves)
+    grows = (answer.u[:, 1:] * np.einsum("ijk,ik->ij", tangents, way)).sum(axis=1) > 0.0
+    creeps = doubtful & (answer.r[:, 0] > 0.0) & np.where(moves, grows, start > limits.begins)
+    return Grip(mu, grip.slides & ~creeps, way, creeps, limits.lag)
 
 
 def rough_push(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Grip, floor: float,
@@ -103,7 +116,7 @@ def rough_push(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Gr
 
 def reversing(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Grip, loaded: np.ndarray) -> float:
     """Least slip along its first direction of the loaded contacts that slide [m/s]; inf if there is none."""
-    chosen = grip.moves & loaded
+    chosen = grip.slides & loaded & (grip.mu > 0.0)
     if not chosen.any():
         return np.inf
     s = slips(island.contacts, problem.k, pose, b)
