@@ -66,7 +66,7 @@ def solve(problem: Rough, model: str = "exact", sides: int = 4, guess: np.ndarra
     sides : int
         Of the polygon of `pyramid`, from 4 on and even; its corners begin at the first tangent.
     guess : (m,) array of int, optional
-        Expected state of each contact: OFF, HOLDS or, if it slides, SLIPS; accepted with a good certificate only.
+        Expected state of each contact: OFF, HOLDS or SLIPS (along its first tangent); accepted if certified good.
 
     Raises
     ------
@@ -86,7 +86,9 @@ def solve(problem: Rough, model: str = "exact", sides: int = 4, guess: np.ndarra
         raise NoSolution(f"no solver solves the friction of {len(length)} contacts (best certificate {residual:.3g})")
     u = (unit.g @ x - unit.d).reshape(-1, 3)
     pressed = (r[::3] > 0.0) | (u[:, 0] <= CLOSED * _scale(unit))
-    states = np.where(pressed, np.where(unit.slides, SLIPS, HOLDS), OFF)
+    t = np.hypot(r[1::3], r[2::3])
+    slip = unit.slides | ((t >= (1.0 - 1e-9) * unit.mu * r[::3]) & (np.hypot(u[:, 1], u[:, 2]) > CLOSED * _scale(unit)))
+    states = np.where(pressed, np.where(slip, SLIPS, HOLDS), OFF)
     return Answer(r.reshape(-1, 3) / length[:, None], x, u * length[:, None], residual, solver, states)
 
 
@@ -185,8 +187,7 @@ def _held(p: Rough, modes: np.ndarray, way: np.ndarray | None) -> tuple[np.ndarr
     its normal force, against `way`.
     """
     if way is None:
-        way = np.zeros((len(p.mu), 2))
-        way[p.slides] = (1.0, 0.0)
+        way = np.tile((1.0, 0.0), (len(p.mu), 1))
     r, x = np.zeros(len(p.d)), p.c.copy()
     try:
         return (r, x) if hold(p.g, p.c, p.d, p.mu, modes, way, r, x) else None
