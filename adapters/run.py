@@ -13,7 +13,7 @@ import time
 import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -35,6 +35,7 @@ from mechanics.scene import Scene
 from mechanics.trajectory import State, Trajectory
 
 FAILURES = ("diverged", "error", "crash", "timeout", "oom")
+LONG = 10_000_000_000  # wall time of a warm-up beyond which a run is not repeated [ns]
 STAGES = ("import", "build", "start", "advance", "read", "judge")
 
 
@@ -204,7 +205,8 @@ def run(
     """Run `scene` in `engine`, recording the state at `times` [s].
 
     With more than one repeat a warm-up precedes them and is discarded; each repeat is built anew,
-    because only a rebuilt world is the same world in every engine.
+    because only a rebuilt world is the same world in every engine.  A run whose warm-up takes longer
+    than `LONG` is not repeated, and says so.
 
     Raises
     ------
@@ -216,6 +218,8 @@ def run(
     ahead = lead(engine, settled(engine, chosen, scene))
     once = Run(engine.name, engine.version, dict(chosen), Failure("error", "build", 0.0, ""), lead=ahead)
     first, wall, cpu = _attempt(engine, scene, times, chosen, once)
+    if repeats > 1 and sum(wall) > LONG:
+        first, repeats = replace(first, notes=(*first.notes, f"run once, not timed: {sum(wall) * 1e-9:.0f} s")), 1
     if repeats <= 1 or not isinstance(first.outcome, Trajectory):
         return _timed(first, [wall], [cpu], [first]) if wall else first
     attempts = [_attempt(engine, scene, times, chosen, once) for _ in range(repeats)]

@@ -99,6 +99,13 @@ def test_repeats_are_timed_and_compared(toy):
     assert run(toy, SCENE, TIMES).timing.wall.shape == (1, 10)
 
 
+def test_a_long_run_is_not_repeated_and_says_so(toy, monkeypatch):
+    monkeypatch.setattr("adapters.run.LONG", 0)
+    long = run(toy, SCENE, TIMES, repeats=3)
+    assert long.timing.wall.shape[0] == 1
+    assert long.notes[-1].startswith("run once, not timed")
+
+
 def test_a_run_that_does_not_repeat_itself_says_so(toy, monkeypatch):
     calm, noise = toy.vacuum, iter(np.linspace(0.0, 1e-12, 20))
 
