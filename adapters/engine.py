@@ -76,7 +76,7 @@ class Engine(Protocol):
     knobs : mapping
         What trades accuracy for time: name -> values, coarse to fine.  ``dt`` is a time step [s].
 
-    Optional names, read through the functions below: `defaults`, `profile`, `settle`, `lead`, `events`,
+    Optional names, read through the functions below: `defaults`, `profile`, `on_request`, `settle`, `lead`, `events`,
     `contacts`, `close`.  `known` maps laws of `adapters.conformance` that the engine breaks to the
     reason; `repeats` = False says that it does not repeat itself bit for bit.
     """
@@ -134,6 +134,11 @@ def profile(engine: Engine) -> Mapping[str, str]:
 def settled(engine: Engine, settings: Settings, scene: Scene) -> Settings:
     """Settings in which every choice an engine leaves to the scene (an "auto") has been made for `scene`."""
     return engine.settle(settings, scene) if hasattr(engine, "settle") else settings  # type: ignore[attr-defined]
+
+
+def on_request(engine: Engine) -> bool:
+    """Whether the engine runs only when it is asked for by name: a variant of another one, for comparison."""
+    return bool(getattr(engine, "on_request", False))
 
 
 def lead(engine: Engine, settings: Settings) -> float:

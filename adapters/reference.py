@@ -54,6 +54,7 @@ class Profile(ABC):
 
     def __init__(self, name: str) -> None:
         self.name = name
+        self.on_request = name != "reference"  # the other methods are there to be compared with it
         self.effects: dict[type[Effect], Callable[[Draft, Any], str | None]] = dict.fromkeys(EFFECTS, self._switch_on)
 
     @cached_property

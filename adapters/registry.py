@@ -19,7 +19,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from adapters.engine import Engine
+from adapters.engine import Engine, on_request
 from scenarios.catalogue import unknown
 
 GROUP = "plumbline.engines"
@@ -219,9 +219,10 @@ def names() -> tuple[str, ...]:
 
 
 def select(patterns: Sequence[str] = ()) -> tuple[str, ...]:
-    """Engine names that match any of the patterns (none: all) and none of those that begin with ``!``.
+    """Engine names that match any of the patterns and none of those that begin with ``!``.
 
     Patterns are names or globs such as ``reference*`` and ``*:stock``; order is that of `names`.
+    Without a pattern to match: all but the engines that run on request only.
 
     Raises
     ------
@@ -232,13 +233,22 @@ def select(patterns: Sequence[str] = ()) -> tuple[str, ...]:
     for pattern in patterns:
         if not any(fnmatchcase(name, pattern.removeprefix("!")) for name in known):
             raise unknown("engine", pattern.removeprefix("!"), known)
-    wanted = [p for p in patterns if not p.startswith("!")] or ["*"]
+    wanted = [p for p in patterns if not p.startswith("!")]
     barred = [p.removeprefix("!") for p in patterns if p.startswith("!")]
     return tuple(
         name
         for name in known
-        if any(fnmatchcase(name, p) for p in wanted) and not any(fnmatchcase(name, p) for p in barred)
+        if (any(fnmatchcase(name, p) for p in wanted) if wanted else not _on_request(name))
+        and not any(fnmatchcase(name, p) for p in barred)
     )
+
+
+def _on_request(name: str) -> bool:
+    """Whether an engine runs only when it is asked for; one that cannot be had is shown, not hidden."""
+    try:
+        return on_request(engine(name))
+    except Unavailable:
+        return False
 
 
 def _likely(patterns: Sequence[str]) -> tuple[str, ...]:

@@ -63,7 +63,7 @@ def show(patterns: Sequence[str], json_: bool) -> int:
     UnknownName
         For a pattern that matches no engine.
     """
-    found = tried(registry.select(patterns))
+    found = tried(registry.select(patterns or ("*",)))
     if json_:
         click.echo(json.dumps({name: _plain(verdict) for name, verdict in found.items()}, indent=1))
         return exit_code(found)

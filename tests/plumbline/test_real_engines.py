@@ -7,7 +7,7 @@ from plumbline.cli import main
 
 
 def test_every_installed_engine_goes_the_whole_way(tmp_path, capsys):
-    code = main(["run", "-s", "projectile", "--out", str(tmp_path / "run"), "--json", "--progress", "off"])
+    code = main(["run", "-e", "*", "-s", "projectile", "--out", str(tmp_path / "run"), "--json", "--progress", "off"])
     told = json.loads(capsys.readouterr().out)
     states = {cell["engine"]: cell["state"] for cell in told["cells"]}
     installed = {row.name for row in registry.listings() if row.state == "installed"}
