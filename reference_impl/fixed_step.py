@@ -7,6 +7,7 @@ contact adds forces and torques.  Fixed bodies are carried along with the accele
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -40,7 +41,7 @@ def runge_kutta4(rate: Rate, t: float, y: np.ndarray, h: float) -> np.ndarray:
 
 
 @dataclass
-class Stepped:
+class Stepped(ABC):
     """A scene that moves on in steps of `dt` [s]; `move` carries it from its time to the end of a step.
 
     Attributes
@@ -91,9 +92,9 @@ class Stepped:
         world._refuse_overlap()
         return world
 
+    @abstractmethod
     def move(self, end: float) -> None:
         """Carry the world to time `end` [s], at most one step away and without a load beginning or ending between."""
-        raise NotImplementedError
 
     def advance(self, duration: float) -> None:
         """Carry the world `duration` [s] on by whole steps, to the step nearest to the sum of all durations."""
@@ -121,9 +122,9 @@ class Stepped:
         return out
 
     @property
+    @abstractmethod
     def forces(self) -> list[Held]:
         """Contacts that push now."""
-        raise NotImplementedError
 
     def state(self) -> State:
         """State of all bodies now, in scene order."""

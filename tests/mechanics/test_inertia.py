@@ -127,4 +127,7 @@ def test_tensors_no_mass_has_are_refused(tensor, message):
 
 
 def test_a_flat_plate_is_allowed():
-    check_inertia("inertia", np.diag([1.0, 2.0, 3.0]))
+    plate = np.diag([1.0, 2.0, 3.0])
+    check_inertia("inertia", plate)
+    with pytest.raises(SceneError, match="triangle inequality"):
+        check_inertia("inertia", plate + np.diag([0.0, 0.0, 1e-6]))
