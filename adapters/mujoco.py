@@ -12,21 +12,22 @@ figure quoted here was measured with MuJoCo 4.0.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable
 from functools import cached_property
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from adapters.engine import Clock, ContactForce, Diverged, Knob, Refusal, Settings
+from adapters.configured import Configured
+from adapters.engine import Clock, ContactForce, Diverged, Refusal, Settings
 from adapters.mujoco_model import Draft, Modeller, smooth, tree
-from adapters.pushes import Motion, Push, pusher
+from adapters.mujoco_world import Hands, World
+from adapters.pushes import pusher
 from adapters.translate import TIME_STEPS, anchor_speed, installed_version
-from mechanics.arrays import Vec3
 from mechanics.effects import (
     Drag,
+    Effect,
     Force,
     Friction,
     Gravity,
@@ -44,47 +45,13 @@ from mechanics.shapes import Mesh
 from mechanics.trajectory import State
 
 
-@dataclass
-class World:
-    """A compiled model with its data; `joints` and `bodies` are MuJoCo's numbers in scene order (-1: none)."""
+class MuJoCo(Configured):
+    """MuJoCo with one set of settings, as an engine."""
 
-    scene: Scene
-    model: Any
-    data: Any
-    clock: Clock
-    turns: bool
-    hinged: bool
-    bodies: list[int]
-    joints: list[int]
-    pushes: list[Push] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-
-
-class MuJoCo:
-    """MuJoCo with one set of settings, as an engine.
-
-    Parameters
-    ----------
-    name : str
-    stock : bool
-        Only masses, shapes, friction and gravity are set.
-    knobs, defaults, profile, known
-        As in `adapters.engine.Engine`; `known`: law of `check_engine` -> why this profile breaks it.
-    """
-
-    def __init__(
-        self,
-        name: str,
-        *,
-        stock: bool,
-        knobs: Mapping[str, tuple[Knob, ...]],
-        defaults: Mapping[str, Knob],
-        profile: Mapping[str, str],
-        known: Mapping[str, str] | None = None,
-    ) -> None:
-        self.name, self.stock = name, stock
-        self.knobs, self.defaults, self.profile, self.known = knobs, defaults, profile, known or {}
-        self.effects = {
+    @cached_property
+    def effects(self) -> dict[type[Effect], Callable[[Draft, Any], str | None]]:
+        """How each effect is switched on; see `adapters.engine.Engine`."""
+        return {
             Gravity: self._gravity,
             Rotation: self._rotation,
             Drag: self._drag,
@@ -234,7 +201,7 @@ class MuJoCo:
 
     def _set_loads(self, world: World, draft: Draft) -> None:
         """Drag as joint damping and constant forces once for all; what varies becomes a push per step."""
-        hands = _Hands(self._mujoco, world)
+        hands = Hands(self._mujoco, world)
         for drag in draft.drags:
             if world.hinged:
                 world.pushes.append(pusher(world.scene, drag, hands, world.clock.dt))
@@ -279,7 +246,7 @@ class MuJoCo:
 
     def _step_pushed(self, world: World, steps: int) -> None:
         clock = world.clock
-        hands = _Hands(self._mujoco, world)
+        hands = Hands(self._mujoco, world)
         for k in range(clock.count - steps, clock.count):
             hands.refresh()
             world.data.xfrc_applied[:] = 0.0
@@ -293,7 +260,7 @@ class MuJoCo:
         x, q, v, w = start.x.copy(), start.q.copy(), start.v.copy(), start.w.copy()
         moving = list(world.scene.moving)
         if world.hinged:
-            hands = _Hands(self._mujoco, world)
+            hands = Hands(self._mujoco, world)
             hands.refresh()
             for i in moving:
                 x[i], q[i], v[i], w[i] = hands.motion(i)
@@ -327,47 +294,13 @@ class MuJoCo:
         return found
 
 
-@dataclass(frozen=True)
-class _Hands:
-    """How pushes and reading reach into a MuJoCo world."""
-
-    mujoco: ModuleType
-    world: World
-
-    def refresh(self) -> None:
-        """Bring MuJoCo's Cartesian data, which lag a step, up to qpos and qvel; only hinged bodies need them."""
-        if self.world.hinged:
-            self.mujoco.mj_kinematics(self.world.model, self.world.data)
-            self.mujoco.mj_comPos(self.world.model, self.world.data)
-            self.mujoco.mj_comVel(self.world.model, self.world.data)
-
-    def motion(self, i: int) -> Motion:
-        model, data, body = self.world.model, self.world.data, self.world.scene.bodies[i]
-        if body.fixed:
-            return Motion(*(np.array(c) for c in (body.position, body.orientation, body.velocity)), np.zeros(3))
-        joint = self.world.joints[i]
-        at, dof = model.jnt_qposadr[joint], model.jnt_dofadr[joint]
-        if self.world.hinged:
-            number, twist = self.world.bodies[i], np.zeros(6)
-            self.mujoco.mj_objectVelocity(model, data, self.mujoco.mjtObj.mjOBJ_XBODY, number, twist, 0)
-            return Motion(data.xpos[number].copy(), data.xquat[number].copy(), twist[3:], twist[:3])
-        velocity = data.qvel[dof : dof + 3].copy()
-        if not self.world.turns:
-            return Motion(body.position + data.qpos[at : at + 3], np.array(body.orientation), velocity, np.zeros(3))
-        q = data.qpos[at + 3 : at + 7].copy()
-        return Motion(data.qpos[at : at + 3].copy(), q, velocity, rotate(q, data.qvel[dof + 3 : dof + 6]))
-
-    def push(self, i: int, force: Vec3, torque: Vec3) -> None:
-        self.world.data.xfrc_applied[self.world.bodies[i]] += np.concatenate([force, torque])
-
-
 _ITERATIONS = (5.0, 20.0, 100.0, 500.0)
 
 ENGINES = {
     engine.name: engine
     for engine in (
         MuJoCo(
-            "mujoco",
+            name="mujoco",
             stock=False,
             knobs={
                 "dt": TIME_STEPS,
@@ -394,7 +327,7 @@ ENGINES = {
             },
         ),
         MuJoCo(
-            "mujoco:stock",
+            name="mujoco:stock",
             stock=True,
             knobs={"dt": TIME_STEPS, "integrator": ("Euler", "implicitfast", "RK4"), "iterations": _ITERATIONS},
             defaults={"dt": 2e-3, "integrator": "Euler", "iterations": 100.0},

@@ -8,13 +8,15 @@ with PyBullet 3.2.7.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 
+from adapters.configured import Configured
 from adapters.engine import ContactForce, Refusal, Settings
 from adapters.pushes import Motion, pusher
 from adapters.pybullet_world import Builder, Draft, World, substeps, wxyz
@@ -22,6 +24,7 @@ from adapters.translate import TIME_STEPS, anchor_speed, factors, installed_vers
 from mechanics.arrays import Vec3
 from mechanics.effects import (
     Drag,
+    Effect,
     Force,
     Friction,
     Gravity,
@@ -60,34 +63,22 @@ class _Hands:
         p.applyExternalTorque(uid, -1, torque.tolist(), p.WORLD_FRAME, client)
 
 
-class PyBullet:
+@dataclass(kw_only=True)
+class PyBullet(Configured):
     """PyBullet with one set of settings, as an engine.
 
-    Parameters
+    Attributes
     ----------
-    name : str
     maximal : bool
         Maximal coordinates (btRigidBody) instead of the multibody solver.
-    stock : bool
-        Nothing but what the scene says is set.
-    knobs, defaults, profile, known
-        As in `adapters.engine.Engine`; `known`: law of `check_engine` -> why this profile breaks it.
     """
 
-    def __init__(
-        self,
-        name: str,
-        *,
-        maximal: bool,
-        stock: bool,
-        knobs: Mapping[str, tuple[float, ...]],
-        defaults: Mapping[str, float],
-        profile: Mapping[str, str],
-        known: Mapping[str, str] | None = None,
-    ) -> None:
-        self.name, self.maximal, self.stock = name, maximal, stock
-        self.knobs, self.defaults, self.profile, self.known = knobs, defaults, profile, known or {}
-        self.effects = {
+    maximal: bool
+
+    @cached_property
+    def effects(self) -> dict[type[Effect], Callable[[Draft, Any], str | None]]:
+        """How each effect is switched on; see `adapters.engine.Engine`."""
+        return {
             Gravity: self._gravity,
             Rotation: self._rotation,
             Drag: self._push,
@@ -241,7 +232,7 @@ ENGINES = {
     engine.name: engine
     for engine in (
         PyBullet(
-            "pybullet",
+            name="pybullet",
             maximal=True,
             stock=False,
             knobs={**_STEPS, "substeps": (1.0, 2.0, 4.0, 8.0)},
@@ -258,7 +249,7 @@ ENGINES = {
             },
         ),
         PyBullet(
-            "pybullet:multibody",
+            name="pybullet:multibody",
             maximal=False,
             stock=False,
             knobs=_STEPS,
@@ -271,7 +262,7 @@ ENGINES = {
             },
         ),
         PyBullet(
-            "pybullet:stock",
+            name="pybullet:stock",
             maximal=False,
             stock=True,
             knobs={"dt": TIME_STEPS, "iterations": (10.0, 50.0, 200.0, 1000.0)},

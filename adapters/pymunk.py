@@ -7,7 +7,7 @@ and angular velocity change sign.  Every figure quoted here was measured with py
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from types import ModuleType
@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from adapters.configured import Configured
 from adapters.engine import ContactForce, Refusal, Settings
 from adapters.pushes import Motion, pusher
 from adapters.pymunk_world import Builder, Draft, World, moment, substeps
@@ -22,6 +23,7 @@ from adapters.translate import TIME_STEPS, anchor_speed, installed_version, worl
 from mechanics.arrays import Vec3
 from mechanics.effects import (
     Drag,
+    Effect,
     Force,
     Friction,
     Gravity,
@@ -41,31 +43,13 @@ from mechanics.trajectory import State
 AXIS = np.array([0.0, 1.0, 0.0])  # about which planar bodies turn
 
 
-class Pymunk:
-    """pymunk with one set of settings, as an engine.
+class Pymunk(Configured):
+    """pymunk with one set of settings, as an engine."""
 
-    Parameters
-    ----------
-    name : str
-    stock : bool
-        Iterations, slop and moments of inertia as pymunk has them.
-    knobs, defaults, profile, known
-        As in `adapters.engine.Engine`; `known`: law of `check_engine` -> why this profile breaks it.
-    """
-
-    def __init__(
-        self,
-        name: str,
-        *,
-        stock: bool,
-        knobs: Mapping[str, tuple[float, ...]],
-        defaults: Mapping[str, float],
-        profile: Mapping[str, str],
-        known: Mapping[str, str] | None = None,
-    ) -> None:
-        self.name, self.stock = name, stock
-        self.knobs, self.defaults, self.profile, self.known = knobs, defaults, profile, known or {}
-        self.effects = {
+    @cached_property
+    def effects(self) -> dict[type[Effect], Callable[[Draft, Any], str | None]]:
+        """How each effect is switched on; see `adapters.engine.Engine`."""
+        return {
             Gravity: self._gravity,
             Rotation: self._rotation,
             Drag: self._push,
@@ -258,7 +242,7 @@ ENGINES = {
     engine.name: engine
     for engine in (
         Pymunk(
-            "pymunk",
+            name="pymunk",
             stock=False,
             knobs={"dt": TIME_STEPS, "iterations": (10.0, 50.0, 200.0), "substeps": (1.0, 2.0, 4.0, 8.0)},
             defaults={"dt": 1e-3, "iterations": 200.0, "substeps": 1.0},
@@ -275,7 +259,7 @@ ENGINES = {
             },
         ),
         Pymunk(
-            "pymunk:stock",
+            name="pymunk:stock",
             stock=True,
             knobs={"dt": TIME_STEPS, "iterations": (10.0, 50.0, 200.0)},
             defaults={"dt": 1.0 / 60.0, "iterations": 10.0},

@@ -1,0 +1,28 @@
+"""What the adapters of one engine's profiles share: their name, their settings, and why these are what they are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from adapters.engine import Knob
+
+
+@dataclass(kw_only=True)
+class Configured:
+    """An engine with one set of settings.
+
+    Attributes
+    ----------
+    name, knobs, defaults, profile, known
+        As in `adapters.engine.Engine`; `known`: law of `check_engine` -> why this profile breaks it.
+    stock : bool
+        Only what the scene says is set, everything else is left as the engine has it.
+    """
+
+    name: str
+    stock: bool
+    knobs: Mapping[str, tuple[Knob, ...]]
+    defaults: Mapping[str, Knob]
+    profile: Mapping[str, str]
+    known: Mapping[str, str] = field(default_factory=dict)
