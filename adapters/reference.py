@@ -2,7 +2,8 @@
 
 Where several contacts act in one instant, rigid-body mechanics leaves the outcome to a law.
 `reference` lets simultaneous impulses propagate, `reference:sequential` treats one contact at a
-time, `reference:simultaneous` solves all at once; for single contacts the three are the same.
+time, `reference:simultaneous` solves all at once; for single smooth contacts all are the same.
+Every law is a value of the knob `impact_law` too; the profiles are for comparing them in one table.
 
 `reference:lecture` and `reference:penalty` are two older methods in the same house, with time steps:
 the algorithm of Baraff's lecture notes, and contact as springs.  They are there to be compared with.
@@ -124,7 +125,7 @@ def _events(self: Profile, world: Any) -> tuple[Impact, ...]:
 
 
 class Reference(Profile):
-    """The reference engine with one impact law.
+    """The reference engine with one impact law unless another is asked for.
 
     Parameters
     ----------
@@ -134,24 +135,29 @@ class Reference(Profile):
     """
 
     knobs: Mapping[str, tuple[Knob, ...]] = {
+        "impact_law": ("sequential", "simultaneous", "poisson", "reflections", "propagation"),
         "tolerance": (1e-6, 1e-9, 1e-12),
         "time_of_contact": ("bisection", "advancement"),
         "solver": ("pgs", "lemke", "osqp_dual", "osqp", "dantzig", "nnls", "auto"),
     }
-    defaults: Mapping[str, Knob] = {"tolerance": 1e-12, "time_of_contact": "advancement", "solver": "auto"}
     table = "IMPULSES"
     events = _events
 
     def __init__(self, name: str, impact_law: str) -> None:
         super().__init__(name)
-        self.impact_law = impact_law
+        self.defaults = {
+            "impact_law": impact_law,
+            "tolerance": 1e-12,
+            "time_of_contact": "advancement",
+            "solver": "auto",
+        }
 
     def _begin(self, scene: Scene, knobs: Settings) -> Any:
         from reference_impl.simulate import begin
         from reference_impl.world import Settings as Choices
 
         choices = Choices(
-            impact_law=self.impact_law,
+            impact_law=str(knobs["impact_law"]),
             time_of_contact=str(knobs["time_of_contact"]),
             solver=str(knobs["solver"]),
             tolerance=float(knobs["tolerance"]),

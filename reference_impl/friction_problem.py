@@ -26,7 +26,10 @@ from typing import NamedTuple
 import numpy as np
 
 from reference_impl.contact_problem import NoSolution
-from reference_impl.friction_solvers import HOLDS, OFF, SLIPS, hold, newton, pivot, rate, relax, sweep
+from reference_impl.friction_cone import HOLDS, OFF, SLIPS, rate
+from reference_impl.friction_hold import hold
+from reference_impl.friction_newton import newton
+from reference_impl.friction_solvers import pivot, relax, sweep
 
 GOOD = 1e-12  # certificate at which the search ends
 CLOSED = 1e-9  # relative motion along the normal up to which a contact stays closed
@@ -111,7 +114,7 @@ def _unit(problem: Rough) -> tuple[Rough, np.ndarray]:
 
 
 def _searched(p: Rough, convex: bool, guess: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, float, str]:
-    """The best answer; where contacts slide, with the most even split of the load (see `friction_solvers.hold`)."""
+    """The best answer; where contacts slide, with the most even split of the load (see `friction_hold.hold`)."""
     best = _portfolio(p, convex, guess)
     if p.slides.any() and best[3] != "guess" and best[2] <= USABLE:
         even = _held(p, *_modes(p, best[0]))

@@ -193,7 +193,8 @@ def _hold(world: World, lasting: Contacts, cluster: np.ndarray) -> bool:
         if at_rest:
             island.shift(world.motion, world.bodies, np.zeros(len(p.force)))
             world.motion.v[island.bodies] = world.motion.L[island.bodies] = 0.0
-            world.audit.rests += len(island.bodies)
+            world.rested[island.bodies] = True
+            world.audit.rests = int(world.rested.sum())
         _record(world, island, problem, p.force, friction)
     if world.contacts is not None:
         keep = (world.mode[lasting.kinds[:, 0]] == HELD) | (world.mode[lasting.kinds[:, 1]] == HELD)

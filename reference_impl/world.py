@@ -13,7 +13,7 @@ from mechanics.trajectory import State
 from reference_impl.collide.detect import Contacts, Detector, Search, rotations
 from reference_impl.contact_problem import SOLVERS
 from reference_impl.effects.impact import LAWS
-from reference_impl.errors import Stalled
+from reference_impl.errors import Stalled, Unsupported
 from reference_impl.integrators import carry, driven_flight, driven_momentum, free_flight
 from reference_impl.kernels import spin
 from reference_impl.parts import Parts
@@ -131,6 +131,7 @@ class World:
     clear: np.ndarray = field(init=False)  # (pairs,) until when each pair cannot touch [s]
     hits: np.ndarray = field(init=False)  # (pairs,) whether it does then
     moving: bool = field(init=False)  # whether some fixed body moves
+    rested: np.ndarray = field(init=False)  # bodies that came to proven rest at some time
     mu: np.ndarray = field(init=False)  # (pairs,) coefficients of friction
     contacts: Contacts | None = None  # that last, of all held bodies
     held: dict[int, Held] = field(default_factory=dict)  # running number -> contact with its force
@@ -147,10 +148,20 @@ class World:
         self.clear = np.zeros(len(self.detector.pairs))
         self.hits = np.zeros(len(self.detector.pairs), dtype=bool)
         self.moving = any(b.fixed and (any(b.velocity) or any(b.acceleration)) for b in self.scene.bodies)
+        self.rested = np.zeros(n, dtype=bool)
         self.step = 1e-2 * self.scales.time
+        self._refuse()
         self.mu = np.zeros(len(self.detector.pairs))
         if self.parts.law.friction is not None:
             self.mu[:] = [self.parts.law.friction.of(*self.names(a, b)) for a, b in self.detector.pairs.tolist()]
+
+    def _refuse(self) -> None:
+        """Raise `Unsupported` for a law that does not know what the scene calls for."""
+        law = self.parts.law
+        if self.settings.impact_law == "poisson" and law.friction is not None:
+            raise Unsupported("impact_law = 'poisson' is a law of smooth impacts; the scene has Friction")
+        if self.settings.impact_law == "reflections" and law.restitution and len(set(law.restitution.values())) > 1:
+            raise Unsupported("impact_law = 'reflections' has one coefficient of restitution; the scene has several")
 
     @property
     def t(self) -> float:

@@ -5,7 +5,8 @@ velocity u = n·(v_a - v_b) of the touching points is negative.  An impulse p >=
 against n on b.
 
 One contact obeys Newton's law u⁺ = -e u⁻.  Where several touch at the same instant, rigid-body
-mechanics alone does not decide; each `LAWS` entry is one answer, by name.
+mechanics alone does not decide; each `LAWS` entry is one answer, by name.  For one smooth contact they are all the
+same.  None makes energy while all contacts have the same e; where e differs, `simultaneous` and `poisson` may.
 """
 
 from __future__ import annotations
@@ -154,8 +155,52 @@ def simultaneous(collision: Meeting) -> Outcome:
     return Outcome(impulses + stop(collision, impulses), PASSES + 1)
 
 
+def poisson(collision: Collision) -> Outcome:
+    """Poisson's hypothesis for all contacts at once: what compression took as impulse, e times as much comes back.
+
+    Compression ends where nothing approaches, 0 <= c, u >= 0, c·u = 0.  Expansion gives each contact at least e c,
+    and more only where it would otherwise approach again: p >= e c, u⁺ >= 0, (p - e c)·u⁺ = 0.
+    Pfeiffer and Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapter 8; here without friction.
+    """
+    impulses = collision.nothing()
+    if not (collision.speeds(impulses) < -collision.floor).any():
+        return Outcome(impulses, 0)
+    compression = stop(collision, impulses)
+    # a contact that did not approach itself, but was squeezed by others, bounces as if struck at this speed
+    struck = -compression * np.einsum("ij,ij->i", collision.rows, collision.rows)
+    impulses = (1.0 + collision.e(struck)) * compression
+    if (collision.speeds(impulses) < -collision.floor).any():
+        return Outcome(impulses + stop(collision, impulses), 2)
+    return Outcome(impulses, 1)
+
+
+def reflections(collision: Meeting) -> Outcome:
+    """A blend of the elastic and the inelastic impact, y⁺ = e y_elastic + (1 - e) y_inelastic.
+
+    y_elastic are the generalised reflections of Smith, Kaufman, Vouga, Tamstorf and Grinspun (Reflections on
+    simultaneous impact, SIGGRAPH 2012), y_inelastic stops every approach at once.  Nothing approaches in either, and
+    no mixture has more energy than both, so the blend keeps what they keep.  It has one e for all contacts.
+
+    There is another extension to e < 1, that of the authors' program SCISim: Newton's law in each reflection, which
+    is `propagation` here.  In a row of balls the two differ.
+    """
+    impulses = collision.nothing()
+    u = collision.speeds(impulses)
+    approaching = u < -collision.floor
+    if len(u) == 1 or not approaching.any():
+        return propagation(collision)
+    e = float(collision.e(u)[approaching].max())
+    inelastic = stop(collision, impulses)
+    if e == 0.0:
+        return Outcome(inelastic, 1)
+    elastic = propagation(collision._replace(e=lambda u: np.ones(len(u))))
+    return Outcome(e * elastic.impulses + (1.0 - e) * inelastic, elastic.passes + 1)
+
+
 LAWS: dict[str, Callable[[Meeting], Outcome]] = {
     "propagation": propagation,
     "sequential": sequential,
     "simultaneous": simultaneous,
+    "poisson": poisson,
+    "reflections": reflections,
 }

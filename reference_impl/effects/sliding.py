@@ -14,8 +14,8 @@ import numpy as np
 
 from reference_impl.effects.friction import frames, rough, slips
 from reference_impl.effects.resting import Island, Pose, Problem, Push, accelerations
+from reference_impl.friction_cone import HOLDS, SLIPS
 from reference_impl.friction_problem import Answer, Rough, solve
-from reference_impl.friction_solvers import HOLDS, SLIPS
 from reference_impl.state import Bodies
 
 

@@ -10,19 +10,19 @@ from hypothesis import strategies as st
 from mechanics.effects import Friction, Resting, Restitution, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
-from reference_impl.effects.impact import LAWS
 from reference_impl.settle import kinetic_energy
 from reference_impl.simulate import advance, begin
 from reference_impl.world import Settings
 
 FLOOR = Body("floor", HalfSpace())
+ROUGH_LAWS = ("propagation", "sequential", "simultaneous", "reflections")  # poisson is refused with friction
 
 
 def effects(e: float, mu: float) -> tuple:
     return Restitution(e), Friction(mu), Rotation()
 
 
-@pytest.mark.parametrize("law", list(LAWS))
+@pytest.mark.parametrize("law", ROUGH_LAWS)
 @pytest.mark.parametrize(("mu", "vx", "spin"), [(0.1, 1.46, -3.5), (0.6, 1.1428571428571429, -11.428571428571429)])
 def test_a_spinning_ball_slides_or_sticks_in_its_bounce(law, mu, vx, spin):
     ball = Body(
