@@ -6,28 +6,46 @@ effect that an engine does not list is passed as not applicable, and says so.
 
 from __future__ import annotations
 
-import ctypes
 import math
-import os
-import tempfile
-from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Collection
+from contextlib import suppress
 from dataclasses import dataclass
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
-from adapters.engine import Engine, Refusal, Settings, checked_settings, defaults, lead, settled
+from adapters.conformance_scenes import (
+    Outcome,
+    Refused,
+    Unlisted,
+    Verdict,
+    bouncing,
+    close,
+    crowd,
+    distance,
+    drive,
+    example,
+    falling,
+    finest,
+    gravity,
+    listening,
+    needs,
+    planar,
+    step,
+    tumbler,
+    tumbles,
+    turned,
+    world,
+)
+from adapters.engine import Engine, Refusal, defaults, lead, settled
 from adapters.run import Failure, prepare, run
-from mechanics.effects import EFFECTS, Drag, Effect, Force, Friction, Gravity, Restitution, Rotation
-from mechanics.rotation import about, angle_between, matrix, product, rotate
+from mechanics.effects import EFFECTS, Force, Friction, Gravity, Restitution, Rotation
+from mechanics.rotation import about, angle_between
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, Capsule, Cylinder, HalfSpace, Shape, Sphere
-from mechanics.trajectory import State, Trajectory
+from mechanics.trajectory import Trajectory
 
-ROUNDING = 1e-9  # what thousands of additions in double precision may amount to
 TENSOR = ((1.0, 0.1, 0.2), (0.1, 2.0, 0.3), (0.2, 0.3, 2.5))  # no axis of it is a body axis [kg m2]
+ROUNDING = 1e-9  # what thousands of additions in double precision may amount to
 
 
 @dataclass(frozen=True)
@@ -53,18 +71,6 @@ class Law:
     known: str = ""
 
 
-class _Outcome(Exception):
-    """Ends a law early: it does not apply, or the engine broke."""
-
-    def __init__(self, passed: bool, explanation: str) -> None:
-        self.passed, self.explanation = passed, explanation
-
-
-class _Refused(_Outcome):
-    """The engine refused the scene."""
-
-
-Verdict = tuple[float, float, str]  # measured, allowed, what it is
 LAWS: dict[str, Callable[[Engine], Verdict]] = {}
 
 
@@ -92,7 +98,7 @@ def _try(engine: Engine, name: str, law: Callable[[Engine], Verdict]) -> Law:
     known = getattr(engine, "known", {}).get(name, "")
     try:
         measured, allowed, what = law(engine)
-    except _Outcome as outcome:
+    except Outcome as outcome:
         return Law(name, outcome.passed, math.nan, outcome.explanation, known)
     except Exception as error:  # an engine may raise anything; that is the finding
         return Law(name, False, math.nan, f"{type(error).__name__}: {error}", known)
@@ -110,15 +116,15 @@ def _law(name: str) -> Callable[[Callable[[Engine], Verdict]], Callable[[Engine]
 
 @_law("reads back the initial state")
 def _initial_state(engine: Engine) -> Verdict:
-    scene = _crowd(engine)
-    read = _drive(engine, scene, (0.0, 0.1)).at(0)
-    return _distance(read, scene.start()), 1e-12, "largest difference of any component at t = 0"
+    scene = crowd(engine)
+    read = drive(engine, scene, (0.0, 0.1)).at(0)
+    return distance(read, scene.start()), 1e-12, "largest difference of any component at t = 0"
 
 
 @_law("keeps the order of the bodies")
 def _order(engine: Engine) -> Verdict:
-    scene = _crowd(engine, turning=False)
-    motion = _drive(engine, scene, (0.0, 0.5))
+    scene = crowd(engine, turning=False)
+    motion = drive(engine, scene, (0.0, 0.5))
     start = scene.start()
     expected = start.x + np.where([[b.fixed] for b in scene.bodies], 0.0, 0.5 * start.v)
     off = np.abs(motion.x[-1] - expected).max()
@@ -131,7 +137,7 @@ def _vacuum(engine: Engine) -> Verdict:
         Body(f"b{i}", Sphere(0.1), mass, (3.0 * i, 0.0, 1.0), velocity=(speed, 0.0, -0.5 * speed))
         for i, (mass, speed) in enumerate(((1.0, 0.01), (1e3, 7.0), (1e-3, 300.0)))
     )
-    motion = _drive(engine, Scene(bodies), (0.0, 0.5, 1.0))
+    motion = drive(engine, Scene(bodies), (0.0, 0.5, 1.0))
     lost = np.linalg.norm(motion.v[-1] - motion.v[0], axis=1) / np.linalg.norm(motion.v[0], axis=1)
     return lost.max(), ROUNDING, "largest relative change of a velocity in 1 s, up to 300 m/s"
 
@@ -150,19 +156,19 @@ def _no_rotation(engine: Engine) -> Verdict:
         (Body("floor", HalfSpace()), standing),
         tuple(e for e in (Gravity(), Friction(0.5), Restitution(0.5)) if type(e) in engine.effects),
     )
-    motions = [_drive(engine, pushed, (0.0, 0.5))]
-    with suppress(_Refused):
-        motions.append(_drive(engine, struck, (0.0, 0.5)))
-    turned = max(_turned(motion) + float(np.abs(motion.w).max()) for motion in motions)
-    return turned, 1e-12, "turning of a body that is pushed and struck but may not turn, rad + rad/s"
+    motions = [drive(engine, pushed, (0.0, 0.5))]
+    with suppress(Refused):
+        motions.append(drive(engine, struck, (0.0, 0.5)))
+    most = max(turned(motion) + float(np.abs(motion.w).max()) for motion in motions)
+    return most, 1e-12, "turning of a body that is pushed and struck but may not turn, rad + rad/s"
 
 
 @_law("spins with Rotation")
 def _rotation(engine: Engine) -> Verdict:
-    _needs(engine, Rotation)
+    needs(engine, Rotation)
     rate = 2.0
     body = Body("b", Sphere(0.1), 1.0, angular_velocity=(0.0, rate, 0.0))
-    motion = _drive(engine, Scene((body,), (Rotation(),)), (0.0, 0.5), _finest(engine))
+    motion = drive(engine, Scene((body,), (Rotation(),)), (0.0, 0.5), finest(engine))
     off = float(angle_between(motion.q[-1, 0], about((0.0, 1.0, 0.0), 0.5 * rate)))
     drift = float(np.abs(motion.w[-1, 0] - motion.w[0, 0]).max())
     # a first-order update of the quaternion errs by (rate h)^2 rate t / 12, 1e-8 at 1e-4 s
@@ -171,16 +177,16 @@ def _rotation(engine: Engine) -> Verdict:
 
 @_law("falls with g")
 def _falls(engine: Engine) -> Verdict:
-    g, time = _gravity(engine), 0.5
-    motion = _drive(engine, _falling(engine), (0.0, time))
+    g, time = gravity(engine), 0.5
+    motion = drive(engine, falling(engine), (0.0, time))
     return np.abs(motion.v[-1] - g * time).max() / 9.81, ROUNDING, "velocity error after 0.5 s over g"
 
 
 @_law("declares its time levels")
 def _time_levels(engine: Engine) -> Verdict:
-    g, time = _gravity(engine), 0.5
-    scene, settings = _falling(engine), defaults(engine)
-    motion = _drive(engine, scene, (0.0, time))
+    g, time = gravity(engine), 0.5
+    scene, settings = falling(engine), defaults(engine)
+    motion = drive(engine, scene, (0.0, time))
     ahead = lead(engine, settled(engine, settings, scene))
     synchronised = motion.x[-1] - motion.x[0] - ahead * motion.v[-1]
     off = np.abs(synchronised - 0.5 * g * motion.t[-1] ** 2).max()
@@ -190,31 +196,31 @@ def _time_levels(engine: Engine) -> Verdict:
 
 @_law("lets mass drop out of free fall")
 def _mass_drops_out(engine: Engine) -> Verdict:
-    motion = _drive(engine, _falling(engine), (0.0, 0.5))
+    motion = drive(engine, falling(engine), (0.0, 0.5))
     fallen = motion.x[-1] - motion.x[0]
     return np.abs(fallen - fallen[0]).max(), ROUNDING, "difference of the fall of 1 g, 1 kg and 1 t in 0.5 s [m]"
 
 
 @_law("turns in the scene's frames")
 def _frames(engine: Engine) -> Verdict:
-    _needs(engine, Rotation)
-    if _planar(engine):
+    needs(engine, Rotation)
+    if planar(engine):
         body = Body("b", Box((0.2, 0.3, 0.4)), 1.0, (0.0, 0.0, 0.0), tuple(about((0.0, 1.0, 0.0), 0.7)),
                     angular_velocity=(0.0, 3.0, 0.0))  # fmt: skip
     else:
-        body = _tumbler((0.5, 1.0, 1.4))
-    return _tumbles(engine, body)
+        body = tumbler((0.5, 1.0, 1.4))
+    return tumbles(engine, body)
 
 
 @_law("honours explicit inertia")
 def _inertia(engine: Engine) -> Verdict:
-    _needs(engine, Rotation)
-    if not _planar(engine):
-        return _tumbles(engine, _tumbler(TENSOR))
-    _needs(engine, Force)
+    needs(engine, Rotation)
+    if not planar(engine):
+        return tumbles(engine, tumbler(TENSOR))
+    needs(engine, Force)
     body = Body("b", Sphere(0.1), 1.0, inertia=(0.3, 0.2, 0.3))
     scene = Scene((body,), (Rotation(), Force("b", torque=(0.0, 0.1, 0.0))))
-    motion = _drive(engine, scene, (0.0, 0.5))
+    motion = drive(engine, scene, (0.0, 0.5))
     return abs(motion.w[-1, 0, 1] - 0.25), ROUNDING, "error of the spin that a known torque gives in 0.5 s [rad/s]"
 
 
@@ -222,21 +228,21 @@ def _inertia(engine: Engine) -> Verdict:
 def _refuses(engine: Engine) -> Verdict:
     body = Body("b", Sphere(0.1), 1.0)
     accepted = []
-    for kind in (_Unlisted, *EFFECTS.values()):
+    for kind in (Unlisted, *EFFECTS.values()):
         if kind not in engine.effects:
             try:
-                prepare(engine, Scene((body, Body("c", Sphere(0.1), 1.0, (1.0, 0.0, 0.0))), (_example(kind),)))
+                prepare(engine, Scene((body, Body("c", Sphere(0.1), 1.0, (1.0, 0.0, 0.0))), (example(kind),)))
                 accepted.append(kind.__name__)
             except Refusal:
                 continue
-    if _Unlisted in engine.effects:
+    if Unlisted in engine.effects:
         accepted.append("an effect made up for this test")
     return len(accepted), 0, f"effects accepted without being listed ({', '.join(accepted) or 'none'})"
 
 
 @_law("simulates every shape or refuses it")
 def _shapes(engine: Engine) -> Verdict:
-    _needs(engine, Gravity)
+    needs(engine, Gravity)
     broken = []
     shapes: tuple[Shape, ...] = (Sphere(0.1), Box((0.1, 0.2, 0.3)), Capsule(0.1, 0.2), Cylinder(0.1, 0.2))
     contact = tuple(e for e in (Restitution(0.5),) if type(e) in engine.effects)
@@ -251,18 +257,18 @@ def _shapes(engine: Engine) -> Verdict:
 @_law("repeats itself bit for bit")
 def _repeats(engine: Engine) -> Verdict:
     if not getattr(engine, "repeats", True):
-        raise _Outcome(True, "not applicable: it says itself that it does not repeat")
-    digests = {_drive(engine, _bouncing(engine), (0.0, 0.25, 0.5)).digest() for _ in range(3)}
+        raise Outcome(True, "not applicable: it says itself that it does not repeat")
+    digests = {drive(engine, bouncing(engine), (0.0, 0.25, 0.5)).digest() for _ in range(3)}
     return len(digests) - 1, 0, "different answers in three runs of one scene, less one"
 
 
 @_law("a finer step is no worse")
 def _finer(engine: Engine) -> Verdict:
     if "dt" not in engine.knobs:
-        raise _Outcome(True, "not applicable: it has no time step")
-    g, time, errors = _gravity(engine), 0.5, []
+        raise Outcome(True, "not applicable: it has no time step")
+    g, time, errors = gravity(engine), 0.5, []
     for dt in (engine.knobs["dt"][0], engine.knobs["dt"][-1]):
-        motion = _drive(engine, _falling(engine), (0.0, time), {"dt": dt})
+        motion = drive(engine, falling(engine), (0.0, time), {"dt": dt})
         errors.append(np.abs(motion.x[-1] - motion.x[0] - 0.5 * g * motion.t[-1] ** 2).max())
     return errors[1] - errors[0], ROUNDING, "growth of the free-fall error from coarsest to finest step [m]"
 
@@ -270,7 +276,7 @@ def _finer(engine: Engine) -> Verdict:
 @_law("accepts its knobs at both ends")
 def _knobs(engine: Engine) -> Verdict:
     broken = []
-    scene = _bouncing(engine)
+    scene = bouncing(engine)
     for name, ladder in engine.knobs.items():
         for value in dict.fromkeys((ladder[0], ladder[-1])):
             outcome = run(engine, scene, (0.0, 0.1), {name: value}).outcome
@@ -281,189 +287,25 @@ def _knobs(engine: Engine) -> Verdict:
 
 @_law("keeps two worlds apart")
 def _two_worlds(engine: Engine) -> Verdict:
-    scene, other = _bouncing(engine), Scene((Body("b", Sphere(0.2), 5.0, velocity=(1.0, 0.0, 0.0)),))
-    lonely = _world(engine, scene)
-    alone = [_step(engine, lonely) for _ in range(5)]
-    _close(engine, lonely)
-    first, second = _world(engine, scene), _world(engine, other)
+    scene, other = bouncing(engine), Scene((Body("b", Sphere(0.2), 5.0, velocity=(1.0, 0.0, 0.0)),))
+    lonely = world(engine, scene)
+    alone = [step(engine, lonely) for _ in range(5)]
+    close(engine, lonely)
+    first, second = world(engine, scene), world(engine, other)
     beside = []
     for _ in range(4):
-        beside.append(_step(engine, first))
-        _step(engine, second)
-    _close(engine, second)
-    beside.append(_step(engine, first))  # and goes on when the other is gone
-    _close(engine, first)
+        beside.append(step(engine, first))
+        step(engine, second)
+    close(engine, second)
+    beside.append(step(engine, first))  # and goes on when the other is gone
+    close(engine, first)
     off = sum(Trajectory.of([a]).digest() != Trajectory.of([b]).digest() for a, b in zip(alone, beside, strict=True))
     return off, 0, "states of five that differ, in any bit, between a world alone and one beside another"
 
 
 @_law("says nothing on stdout")
 def _silent(engine: Engine) -> Verdict:
-    with _listening() as heard:
-        run(engine, _bouncing(engine), (0.0, 0.1))
+    with listening() as heard:
+        run(engine, bouncing(engine), (0.0, 0.1))
     text = heard[0].strip()
     return len(text), 0, f"characters printed ({text[:60]!r})"
-
-
-@dataclass(frozen=True)
-class _Unlisted(Effect):
-    """An effect that no engine can know."""
-
-
-def _example(kind: type[Effect]) -> Effect:
-    """Some effect of that type between the bodies b and c."""
-    arguments: dict[str, Any] = {
-        "Force": {"body": "b"},
-        "Spring": {"a": "b", "b": "c", "stiffness": 1.0, "length": 1.0},
-        "Rod": {"a": "b", "b": "c"},
-        "Tether": {"a": "b", "b": "c", "length": 2.0},
-        "Hinge": {"a": "b", "b": "c"},
-        "Restitution": {"coefficient": 0.5},
-        "Friction": {"coefficient": 0.5},
-    }
-    return kind(**arguments.get(kind.__name__, {}))
-
-
-def _drive(
-    engine: Engine, scene: Scene, times: Sequence[float], settings: Settings | None = None, optional: bool = False
-) -> Trajectory:
-    """The motion; a failure ends the law, and so does a refusal, which is no offence where the scene is `optional`."""
-    outcome = run(engine, scene, times, settings).outcome
-    if isinstance(outcome, Trajectory):
-        return outcome
-    if isinstance(outcome, Refusal):
-        word = "not applicable: it refuses" if optional else "it refuses"
-        raise _Refused(optional, f"{word} the scene ({outcome.reason})")
-    raise _Outcome(False, f"{outcome.state} in {outcome.stage}: {outcome.reason}")
-
-
-def _needs(engine: Engine, kind: type[Effect]) -> None:
-    if kind not in engine.effects:
-        raise _Outcome(True, f"not applicable: it lists no {kind.__name__}")
-
-
-def _planar(engine: Engine) -> bool:
-    """Whether the engine refuses motion across the x-z plane."""
-    scene = Scene((Body("b", Sphere(0.1), 1.0, velocity=(0.0, 1.0, 0.0)),))
-    return isinstance(run(engine, scene, (0.0, 0.01)).outcome, Refusal)
-
-
-def _finest(engine: Engine) -> Settings:
-    return {"dt": engine.knobs["dt"][-1]} if "dt" in engine.knobs else {}
-
-
-def _crowd(engine: Engine, turning: bool = True) -> Scene:
-    """Bodies of all kinds, far apart, moving and standing in no order."""
-    across = 0.0 if _planar(engine) else 1.0
-    spin = turning and Rotation in engine.effects
-    tilted = about((0.0, 1.0, 0.0), 0.4) if not across else about((1.0, 2.0, 3.0), 0.4)
-    turn = (0.3 * across, 0.5, -0.2 * across) if spin else (0.0, 0.0, 0.0)
-    bodies = (
-        Body("last", Sphere(0.1), 2.0, (1.0, 0.0, 5.0), velocity=(0.1, 0.2 * across, 0.3)),
-        Body("post", Box((0.2, 0.2, 0.2)), None, (-4.0, 0.0, 1.0)),
-        Body("first", Box((0.1, 0.2, 0.3)), 0.5, (9.0, 0.0, 2.0), tuple(tilted), (-0.4, 0.1 * across, 0.2), turn),
-        Body("middle", Sphere(0.3), 40.0, (5.0, 0.0, -3.0), velocity=(0.0, -0.3 * across, -0.1)),
-    )
-    return Scene(bodies, (Rotation(),) if spin else ())
-
-
-def _gravity(engine: Engine) -> np.ndarray:
-    _needs(engine, Gravity)
-    return np.array([0.5, 0.0 if _planar(engine) else 0.25, -9.81])
-
-
-def _falling(engine: Engine) -> Scene:
-    """Masses of 1 kg, 1 g and 1 t fall from rest."""
-    g = _gravity(engine)
-    bodies = tuple(Body(f"b{i}", Sphere(0.1), mass, (3.0 * i, 0.0, 0.0)) for i, mass in enumerate((1.0, 1e-3, 1e3)))
-    return Scene(bodies, (Gravity(tuple(g.tolist())),))
-
-
-def _bouncing(engine: Engine) -> Scene:
-    """A ball that falls, and bounces and feels drag where the engine can."""
-    wanted = (Gravity(), Restitution(0.7), Drag(0.1), Rotation())
-    bodies = (Body("floor", HalfSpace()), Body("b", Sphere(0.1), 1.0, (0.0, 0.0, 0.3), velocity=(0.5, 0.0, 0.0)))
-    return Scene(bodies, tuple(e for e in wanted if type(e) in engine.effects))
-
-
-def _tumbler(inertia: Any) -> Body:
-    """A turned body with three different moments that spins about no axis of its own."""
-    q = about((1.0, -2.0, 0.5), 1.1)
-    spin = (1.0, 3.0, -2.0)
-    return Body("b", Sphere(0.1), 1.0, orientation=tuple(q), angular_velocity=spin, inertia=inertia)
-
-
-def _tumbles(engine: Engine, body: Body) -> Verdict:
-    """Attitude error of a free body after half a second against the house's own integration of Euler's equations."""
-    motion = _drive(engine, Scene((body,), (Rotation(),)), (0.0, 0.5), _finest(engine), optional=True)
-    off = float(angle_between(motion.q[-1, 0], _euler(body, float(motion.t[-1]))))
-    # a first-order engine errs by some 0.3 rad/s2 x h, 3e-5 rad at the finest step; a mistaken frame by 0.1 rad
-    return off, 1e-3, "attitude error of a free body after 0.5 s [rad]"
-
-
-def _euler(body: Body, time: float, steps: int = 400) -> np.ndarray:
-    """Attitude of a torque-free body at `time`: fourth-order Runge-Kutta on q' = ω q / 2 with L constant."""
-    q, tensor, h = np.array(body.orientation), body.inertia_tensor, time / steps
-    turn = matrix(q)
-    momentum = turn @ tensor @ turn.T @ np.array(body.angular_velocity)
-    inverse = np.linalg.inv(tensor)
-
-    def rate(q: np.ndarray) -> np.ndarray:
-        q = q / np.linalg.norm(q)
-        spin = rotate(q, inverse @ (matrix(q).T @ momentum))
-        return 0.5 * product(np.concatenate([[0.0], spin]), q)
-
-    for _ in range(steps):
-        a = rate(q)
-        b = rate(q + 0.5 * h * a)
-        c = rate(q + 0.5 * h * b)
-        q = q + h / 6.0 * (a + 2.0 * b + 2.0 * c + rate(q + h * c))
-        q = q / np.linalg.norm(q)
-    return q
-
-
-def _turned(motion: Trajectory) -> float:
-    return float(angle_between(motion.q[-1], motion.q[0]).max())
-
-
-def _distance(a: State, b: State) -> float:
-    """Largest difference of two states: of any component, and of attitudes by angle; infinite if they do not match."""
-    if a.x.shape != b.x.shape:
-        return math.inf
-    parts = [np.abs(getattr(a, name) - getattr(b, name)).max() for name in ("x", "v", "w")]
-    return float(max(*parts, angle_between(a.q, b.q).max(), abs(a.t - b.t)))
-
-
-def _world(engine: Engine, scene: Scene) -> Any:
-    draft, _ = prepare(engine, scene)
-    return engine.start(draft, checked_settings(engine, None))
-
-
-def _step(engine: Engine, world: Any) -> State:
-    engine.advance(world, 0.1)
-    return engine.read(world)
-
-
-def _close(engine: Engine, world: Any) -> None:
-    if hasattr(engine, "close"):
-        engine.close(world)
-
-
-@contextmanager
-def _listening() -> Iterator[list[str]]:
-    """Collect what is written to stdout, also by C code; the list holds it afterwards."""
-    heard: list[str] = []
-    library = ctypes.CDLL(None) if os.name == "posix" else SimpleNamespace(fflush=lambda _: None)
-    library.fflush(None)
-    with tempfile.TemporaryFile() as file:
-        kept = os.dup(1)
-        os.dup2(file.fileno(), 1)
-        try:
-            yield heard
-        finally:
-            library.fflush(None)
-            os.dup2(kept, 1)
-            os.close(kept)
-            with suppress(OSError):
-                file.seek(0)
-                heard.append(file.read().decode(errors="replace"))
