@@ -22,7 +22,7 @@ class Motion(NamedTuple):
 
 
 def trajectory(scene: Scene, t: np.ndarray, motions: Mapping[str, Motion]) -> Trajectory:
-    """Motion of every body of `scene` at times `t` [s]; fixed bodies stand still.
+    """Motion of every body of `scene` at times `t` [s]; fixed bodies move as they are told to.
 
     Raises
     ------
@@ -31,6 +31,10 @@ def trajectory(scene: Scene, t: np.ndarray, motions: Mapping[str, Motion]) -> Tr
     """
     start = scene.start()
     x, q, v, w = (np.repeat(a[None], len(t), axis=0) for a in (start.x, start.q, start.v, start.w))
+    for i, body in enumerate(scene.bodies):
+        if body.fixed and (any(body.velocity) or any(body.acceleration)):
+            x[:, i] += t[:, None] * v[:, i] + 0.5 * t[:, None] ** 2 * np.array(body.acceleration)
+            v[:, i] += t[:, None] * np.array(body.acceleration)
     for i in scene.moving:
         motion = motions[scene.names[i]]
         x[:, i], v[:, i] = motion.x, motion.v

@@ -186,6 +186,8 @@ def scenario(
 ) -> Callable[[Callable[..., Scenario]], Callable[..., Scenario]]:
     """Enter the decorated function in the catalogue; its name becomes the scenario's, `_` written `-`.
 
+    Every family belongs to the suite `full`, besides the `suites` it names.
+
     Raises
     ------
     ValueError
@@ -198,7 +200,8 @@ def scenario(
             raise ValueError(f"two scenarios are called {name!r}")
         if not build.__doc__:
             raise ValueError(f"scenario {name!r} needs a docstring a newcomer understands")
-        FAMILIES[name] = Family(name, build, version, tuple(tags), tuple(suites), tuple(variants), ranges or {})
+        chosen = tuple(dict.fromkeys((*suites, "full")))
+        FAMILIES[name] = Family(name, build, version, tuple(tags), chosen, tuple(variants), ranges or {})
         return build
 
     return enter
