@@ -1,0 +1,64 @@
+"""An elastic gas of a hundred spheres in a box: energy kept, and seconds simulated per second."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from adapters.run import Run
+from benchmarks.engines import alongside, beside, played
+from benchmarks.row import Figure, Row
+from mechanics.effects import Gravity, Restitution
+from mechanics.scene import Body, Scene
+from mechanics.shapes import HalfSpace, Sphere
+
+RADIUS, FILLING, SPEED = 0.05, 0.1, 1.0  # [m], of the volume, of each component [m/s]
+SAMPLING = 0.1  # [s]
+
+
+def scene(count: int) -> Scene:
+    """Equal spheres between six walls, e = 1, with gravity; their places on a lattice, their velocities at random."""
+    edge = (count * 4.0 / 3.0 * np.pi * RADIUS**3 / FILLING) ** (1.0 / 3.0)
+    walls = [
+        Body(f"wall-{axis}{'+-'[side]}", HalfSpace(tuple(n.tolist())), position=tuple((0.5 * edge * (1 - n)).tolist()))
+        for axis in range(3)
+        for side, n in enumerate((np.eye(3)[axis], -np.eye(3)[axis]))
+    ]
+    rng = np.random.default_rng(2027)
+    per_edge = int(np.ceil(count ** (1.0 / 3.0)))
+    places = (np.array(list(np.ndindex(per_edge, per_edge, per_edge)))[:count] + 0.5) * edge / per_edge
+    velocities = SPEED * rng.normal(size=(count, 3))
+    spheres = [
+        Body(f"sphere-{k}", Sphere(RADIUS), 1.0, tuple(x.tolist()), velocity=tuple(v.tolist()))
+        for k, (x, v) in enumerate(zip(places, velocities, strict=True))
+    ]
+    return Scene((*walls, *spheres), (Gravity(), Restitution(1.0)))
+
+
+def energy_error(run: Run) -> float:
+    """Greatest relative change of kinetic and potential energy."""
+    x, v = run.outcome.x[:, 6:], run.outcome.v[:, 6:]
+    energy = (0.5 * (v**2).sum(axis=2) + 9.81 * x[:, :, 2]).sum(axis=1)
+    return float(np.abs(energy / energy[0] - 1.0).max())
+
+
+def measure(tiny: bool = False) -> Row:
+    """Ten seconds; other engines one second, because most take longer than that."""
+    count, duration, shorter = (8, 0.2, 0.1) if tiny else (100, 10.0, 1.0)
+    times = np.arange(0.0, duration + 0.5 * SAMPLING, SAMPLING)
+    found = played(scene(count), times, repeats=1)
+    short = times[times <= shorter + 0.5 * SAMPLING]
+    ours = beside(found, energy_error)
+    return Row(
+        name="gas",
+        subject=f"an elastic gas of {count} spheres, {duration:g} s",
+        figures=(
+            Figure("energy, greatest relative change", ours.error, 1e-13),
+            Figure("simulated time over wall time", duration / ours.seconds, 200.0, at_least=True),
+        ),
+        how=f"{len(found.events)} impacts, filling {FILLING:g}, gravity on; engines beside it for {shorter:g} s",
+        judged=f"energy, relative, in {shorter:g} s",
+        beside=(
+            beside(played(scene(count), short), energy_error),
+            *alongside(scene(count), short, energy_error),
+        ),
+    )

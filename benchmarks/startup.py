@@ -1,0 +1,65 @@
+"""From nothing to the first step in a fresh process, with compiled code in the cache."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+
+from benchmarks.row import Figure, Row
+
+COMMON = """
+from mechanics.effects import Friction, Gravity, Resting, Restitution, Rotation
+from mechanics.scene import Body, Scene
+from mechanics.shapes import Box, HalfSpace, Sphere
+from reference_impl.simulate import simulate
+floor, box = Body("floor", HalfSpace()), Box((1.0, 1.0, 1.0))
+"""
+SCENES = {
+    "a sphere that bounces": """
+body = Body("ball", Sphere(0.1), 1.0, (0.0, 0.0, 0.1001))
+scene = Scene((floor, body), (Gravity(), Restitution(0.8)))
+""",
+    "a box at rest": """
+body = Body("box", box, 1.0, (0.0, 0.0, 0.5))
+scene = Scene((floor, body), (Gravity(), Rotation(), Resting()))
+""",
+    "a box that slides with friction": """
+body = Body("box", box, 1.0, (0.0, 0.0, 0.5), velocity=(1.0, 0.0, 0.0))
+scene = Scene((floor, body), (Gravity(), Rotation(), Friction(0.3), Resting()))
+""",
+}
+RUN = "simulate(scene, [0.0, 0.01])\n"
+TOOLS = "import numpy, numba\n"
+
+
+def seconds(program: str) -> float:
+    """Wall time of a fresh Python process that runs `program` [s].
+
+    Raises
+    ------
+    subprocess.CalledProcessError
+        If it fails.
+    """
+    begun = time.perf_counter()
+    subprocess.run([sys.executable, "-c", program], check=True, timeout=300.0)
+    return time.perf_counter() - begun
+
+
+def measure(tiny: bool = False) -> Row:
+    """The best of several processes each, after one that fills the cache."""
+    repeats = 1 if tiny else 5
+    scenes = dict(list(SCENES.items())[:1]) if tiny else SCENES
+    figures = []
+    for name, scene in scenes.items():
+        program = COMMON + scene + RUN
+        seconds(program)
+        figures.append(Figure(name, min(seconds(program) for _ in range(repeats)), 1.0, "s"))
+    tools = min(seconds(TOOLS) for _ in range(repeats))
+    return Row(
+        name="startup",
+        subject="import and first step, warm cache",
+        figures=tuple(figures),
+        how=f"wall time of a fresh process from its start to its end, the best of {repeats}; a process that does "
+        f"nothing but import numpy and numba takes {tools:.2f} s of it",
+    )

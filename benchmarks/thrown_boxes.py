@@ -1,0 +1,112 @@
+"""A box thrown on a floor a hundred times, with and without friction: does it come to proven rest, and soundly?"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchmarks.row import Figure, Row
+from comparisons.energy import mechanical_energy
+from comparisons.gap import Pose, gap
+from mechanics.effects import Friction, Gravity, Resting, Restitution, Rotation
+from mechanics.rotation import normalised
+from mechanics.scene import Body, Scene
+from mechanics.shapes import Box, HalfSpace
+from mechanics.trajectory import Trajectory
+from reference_impl.errors import Stalled
+from reference_impl.simulate import advance, begin
+from reference_impl.world import STILL, World
+
+RESTITUTIONS = (0.0, 0.3, 0.5, 0.7, 0.9)
+FRICTIONS = (0.0, 0.5)
+EACH = 10  # boxes of every pair of coefficients
+LIMIT = 30.0  # [s] of simulated time, by which every box must lie
+SAMPLING = 0.02  # [s]
+PATIENCE = 10.0  # wall time of one box [s]
+
+
+@dataclass(frozen=True)
+class Thrown:
+    """What became of one box."""
+
+    e: float
+    mu: float
+    rests: bool
+    rise: float  # greatest rise of energy from sample to sample, over the energy at the start
+    gap: float  # deepest overlap at a sample, by the house's own geometry [m]
+    simulated: float  # [s]
+    seconds: float  # wall time [s]
+    trouble: str  # what the engine said when it gave up
+
+
+def scene(seed: int, e: float, mu: float) -> Scene:
+    """A box of random edges with a random attitude, velocity and spin, a metre above a floor."""
+    rng = np.random.default_rng(seed)
+    size = rng.uniform(0.2, 0.6, 3)
+    attitude, velocity, spin = normalised(rng.normal(size=4)), rng.normal(size=3), 5.0 * rng.normal(size=3)
+    place = (0.0, 0.0, 1.0)
+    box = Body("box", Box(tuple(size)), 1.0, place, tuple(attitude), tuple(velocity), tuple(spin))
+    effects = (Gravity(), Rotation(), Restitution(e), Resting(), *((Friction(mu),) if mu else ()))
+    return Scene((Body("floor", HalfSpace()), box), effects)
+
+
+def thrown(seed: int, e: float, mu: float, patience: float = PATIENCE) -> Thrown:
+    """One box, until it rests, time is up, or `patience` [s] of wall time."""
+    one = scene(seed, e, mu)
+    world = begin(one)
+    states, trouble = [world.state()], ""
+    begun = time.perf_counter()
+    try:
+        while not rests(world) and world.t < LIMIT and time.perf_counter() - begun < patience:
+            advance(world, SAMPLING)
+            states.append(world.state())
+    except Stalled as error:
+        trouble = str(error)
+    seconds = time.perf_counter() - begun
+    path = Trajectory.of(states)
+    energy = mechanical_energy(one, path)
+    floor, box = (Pose(path.x[:, i], path.q[:, i]) for i in range(2))
+    return Thrown(
+        e,
+        mu,
+        rests(world),
+        float(np.diff(energy).max(initial=0.0)) / float(energy[0]),
+        float(np.min(gap(one.bodies[1].shape, one.bodies[0].shape, box, floor))),
+        world.t,
+        seconds,
+        trouble or ("" if rests(world) else f"still moving at {world.t:.3g} s"),
+    )
+
+
+def rests(world: World) -> bool:
+    """Whether every moving body has come to proven rest."""
+    return all(world.mode[i] == STILL for i in world.scene.moving)
+
+
+def measure(tiny: bool = False) -> Row:
+    """Ten boxes for every coefficient of restitution, with and without friction."""
+    coefficients = [(e, mu) for mu in FRICTIONS for e in (RESTITUTIONS[:1] if tiny else RESTITUTIONS)]
+    each = 1 if tiny else EACH
+    patience = 1.0 if tiny else PATIENCE
+    boxes = [thrown(seed, e, mu, patience) for e, mu in coefficients for seed in range(each)]
+    costs = ", ".join(
+        f"{sum(b.simulated for b in some) / sum(b.seconds for b in some):.2g} ({what})"
+        for what, some in (
+            ("smooth", [b for b in boxes if not b.mu]),
+            ("with friction", [b for b in boxes if b.mu]),
+        )
+    )
+    return Row(
+        name="thrown-boxes",
+        subject=f"{len(boxes)} boxes thrown, e from 0 to {coefficients[-1][0]:g}, with and without friction",
+        figures=(
+            Figure("come to proven rest", sum(b.rests for b in boxes), len(boxes), at_least=True),
+            Figure("energy, greatest rise from sample to sample, relative", max(b.rise for b in boxes), 1e-9),
+            Figure("overlap at a sample, deepest", max(0.0, *(-b.gap for b in boxes)), 1e-11, "m"),
+        ),
+        how=f"sampled every {SAMPLING:g} s until the engine proves rest, at most {LIMIT:g} s; energy and overlap by "
+        f"the house's own yardsticks; simulated seconds per second of wall time: {costs}",
+        missed="; ".join(f"e = {b.e:g}, µ = {b.mu:g}: {b.trouble}" for b in boxes if b.trouble),
+    )
