@@ -217,7 +217,10 @@ def _border(a, b, ra, half_a, rb, half_b, k, side, n, local, support, lateral, k
 
 @kernel
 def _corners_below(a, b, xa, ra, half_a, xb, rb, half_b, k, side, n, lateral, kinds, reals, count):
-    """Corners of the face of b strictly inside the face of a that lies on it."""
+    """Corners of the face of b inside the face of a that lies on it, or on its border, but on no corner of a.
+
+    A corner of b within half of `lateral` of a corner of a is left out: there the corner of a is listed.
+    """
     face, most = 0, -1.0
     for c in range(3):
         along = abs(n[0] * ra[0, c] + n[1] * ra[1, c] + n[2] * ra[2, c])
@@ -234,7 +237,8 @@ def _corners_below(a, b, xa, ra, half_a, xb, rb, half_b, k, side, n, lateral, ki
         for c in range(3):
             world[c] += xb[c] - xa[c]
         inside = apply_transposed(ra, world)
-        if half_a[u] - abs(inside[u]) <= lateral or half_a[w] - abs(inside[w]) <= lateral:
+        room, space = half_a[u] - abs(inside[u]), half_a[w] - abs(inside[w])
+        if min(room, space) < -lateral or max(abs(room), abs(space)) <= 0.5 * lateral:
             continue
         put(kinds, reals, count, b, a, FACE, j, 2 * face + (1 if lower > 0.0 else 0))
         corner(half_b, j, reals[count, 0:3])
