@@ -1,7 +1,9 @@
 """Motion in lasting contact: accelerations under contact forces, carried on by Runge-Kutta steps.
 
-A step ends early where a new feature touches, where a contact slides off the edge of its feature, or
-where another body arrives.  Within the step the bodies are followed on polynomials of degree five.
+Every island goes its own way (`course`).  Its step ends early where a contact slides off the edge of its feature or
+ceases to slide; a body that arrives from elsewhere interrupts it.  What interrupts is searched on polynomials, and
+then the motion itself is carried there: if it is not where its polynomials had it, they are laid anew up to that
+time and the search goes on, so that no island ever has to go back behind what others have done already.
 """
 
 from __future__ import annotations
@@ -13,143 +15,58 @@ import numpy as np
 from reference_impl.collide.detect import Contacts, kinematics, rotations
 from reference_impl.collide.features import margin
 from reference_impl.contact_problem import NoSolution
-from reference_impl.effects.resting import Island, Pose, Push, islands, push, rounding
-from reference_impl.effects.sliding import Grip, grip_of, reversing, rough_push
+from reference_impl.course import Course
+from reference_impl.effects.resting import Island
 from reference_impl.errors import Stalled
-from reference_impl.integrators import RungeKutta8, hermite, where
-from reference_impl.kernels import spin, spin_rate
-from reference_impl.rough import jam, limits
-from reference_impl.world import HELD, World
+from reference_impl.integrators import where
+from reference_impl.rough import jam
+from reference_impl.world import World
 
 DEEP = 1e-11  # overlap that sends a step back [smallest body size]
 SHORTEST = 1e-13  # step below which the motion is stuck [time scale]
 LONGEST = 1.0  # [time scale]
 BRINK = 1e-7  # time before forces cease to exist at which impulses take over [time scale]
 STANDING = 1e-15  # slip at which a contact has stopped [speed scale]
-SAFETY = 1.5  # on bounds of the accelerations within a step, which are sampled at its stages
+CUTS = 60  # of one step, before the polynomials are taken for the motion
 
 
-class _Flow:
-    """Rate of change of the held bodies' state y = (x, q, v, L) one body after the other."""
-
-    def __init__(self, world: World) -> None:
-        self.world = world
-        self.groups: list[Island] = islands(world.contacts, world.bodies)
-        self.bodies = sorted(i for group in self.groups for i in group.bodies.tolist())
-        self.at = {i: 13 * k for k, i in enumerate(self.bodies)}
-        self.active: list[np.ndarray | None] = [None] * len(self.groups)
-        self.pushes: list[Push] = []
-        pose = Pose.now(world.motion, world.bodies)
-        self.gaps: list[np.ndarray] = []
-        self.limits = limits(world)
-        self.grips: list[Grip | None] = []
-        for group in self.groups:
-            problem, mu = group.problem(pose, world.bodies), world.mu[group.contacts.pairs]
-            self.gaps.append(problem.k.gap)
-            rough = mu.any()
-            self.grips.append(grip_of(group, problem, pose, world.bodies, mu, self.limits) if rough else None)
-
-    def pack(self) -> np.ndarray:
-        m = self.world.motion
-        return np.concatenate([np.concatenate([m.x[i], m.q[i], m.v[i], m.L[i]]) for i in self.bodies])
-
-    def pose(self, t: float, y: np.ndarray) -> tuple[Pose, np.ndarray]:
-        """All bodies at time t, the held ones as y says; and the quaternions."""
-        m = self.world.motion
-        x, q, v, momentum = m.x.copy(), m.q.copy(), m.v.copy(), m.L.copy()
-        if self.world.moving:
-            rate = np.empty(4)
-            for i in np.flatnonzero(self.world.bodies.inverse_mass == 0.0):
-                where(t - m.begin[i], m.x_series[i], m.q_series[i], x[i], v[i], q[i].copy(), rate)
-        for i, at in self.at.items():
-            x[i], q[i], v[i], momentum[i] = (
-                y[at : at + 3],
-                y[at + 3 : at + 7],
-                y[at + 7 : at + 10],
-                y[at + 10 : at + 13],
-            )
-        return Pose.of(x, q, v, momentum, self.world.bodies), q
-
-    def __call__(self, t: float, y: np.ndarray) -> np.ndarray:
-        world = self.world
-        pose, q = self.pose(t, y)
-        out = np.empty_like(y)
-        self.pushes = []
-        for number, group in enumerate(self.groups):
-            problem = group.problem(pose, world.bodies)
-            grip = self.grips[number]
-            if grip is None:
-                p = push(group, problem, pose, world.bodies, world.settings.solver, self.active[number])
-                self.active[number] = p.force > 0.0
-            else:
-                p, _, self.active[number] = rough_push(
-                    group, problem, pose, world.bodies, grip, self.limits.slow, self.active[number]
-                )
-            self.pushes.append(p)
-            world.audit.residual = max(world.audit.residual, p.residual)
-            for k, i in enumerate(group.bodies.tolist()):
-                at = self.at[i]
-                out[at : at + 3] = pose.v[i]
-                out[at + 3 : at + 7] = spin_rate(q[i], pose.w[i])
-                out[at + 7 : at + 10] = p.acceleration[k]
-                out[at + 10 : at + 13] = p.torque[k]
-        return out
-
-    def slip(self, t: float, y: np.ndarray) -> float:
-        """Least slip of the contacts that slide, along their direction at the start; negative past a reversal [m/s]."""
-        least = math.inf
-        pose, _ = self.pose(t, y)
-        for group, grip, p in zip(self.groups, self.grips, self.pushes, strict=True):
-            if grip is not None and grip.slides.any():
-                problem = group.problem(pose, self.world.bodies)
-                least = min(least, reversing(group, problem, pose, self.world.bodies, grip, p.force > 0.0))
-        return least
-
-    def scale(self) -> np.ndarray:
-        """Error allowed in each component of y."""
-        world = self.world
-        s, b = world.scales, world.bodies
-        out = np.empty(13 * len(self.bodies))
-        for i, at in self.at.items():
-            momentum = s.speed * s.length / b.inverse_mass[i]
-            out[at : at + 13] = np.repeat([s.length, 1.0, s.speed, momentum], [3, 4, 3, 3])
-        return max(world.settings.tolerance, 100.0 * rounding(b, np.array(self.bodies))) * out
-
-
-def step(world: World, limit: float) -> None:
-    """Carry all bodies on, at most to `limit` [s], while some are in lasting contact.
+def embark(world: World, limit: float) -> None:
+    """Give every island that has none its next step, at most to `limit` [s].
 
     Raises
     ------
     Stalled
         If no step is short enough, or the contacts allow no motion.
     """
-    try:
-        _step(world, limit)
-    except NoSolution as error:
-        raise Stalled(f"resting contact: {error}", world.t) from None
+    for course in world.courses:
+        if course.end == -math.inf and not world.dirty[course.members].any():
+            try:
+                _step(world, course, limit)
+            except NoSolution as error:
+                raise Stalled(f"resting contact: {error}", world.t) from None
 
 
-def _step(world: World, limit: float) -> None:
-    flow, method, start = _Flow(world), RungeKutta8(), world.t
-    scale = flow.scale()
-    y = flow.pack()
-    first = flow(start, y)
-    rough = any(grip is not None for grip in flow.grips)
-    h = min(world.step, LONGEST * world.scales.time)
+def _step(world: World, course: Course, limit: float) -> None:
+    start, method, y = course.begin, course.method, course.y
+    scale = course.scale()
+    first = course(start, y)
+    h = min(float(world.pace[course.members].min()), LONGEST * world.scales.time)
     while True:
         if h < SHORTEST * world.scales.time:
-            raise Stalled(f"lasting contact of {', '.join(world.names(*flow.bodies))}: step below {h:.3g} s", start)
+            names = ", ".join(world.names(*course.members))
+            raise Stalled(f"lasting contact of {names}: step below {h:.3g} s", start)
         end = min(start + h, limit)
         try:
-            new, stages = method.step(flow, start, y, end - start, first)
+            new, stages = method.step(course, start, y, end - start, first)
         except NoSolution:
-            if not rough:
+            if course.grip is None:
                 raise
             world.audit.rejected += 1
             h = 0.25 * (end - start)
             if h < BRINK * world.scales.time:
-                _jammed(world, flow)
+                # no contact forces exist a moment from now: impulses take their place
+                jam(world, course.island)
+                world.dirty[course.members] = True
                 return
             continue
         error = method.error(stages, end - start, scale)
@@ -157,38 +74,56 @@ def _step(world: World, limit: float) -> None:
             world.audit.rejected += 1
             h = (end - start) * max(0.2, 0.9 * error**-0.125)
             continue
-        _segments(world, flow, start, end, y, new, stages)
-        stop, pair = _interrupted(world, flow, start, end)
-        if stop < end:
-            # the motion itself, not its polynomial, is carried to the interruption
-            new, stages = method.step(flow, start, y, stop - start, first)
-        if rough and flow.slip(stop, new) < 0.0:
-            stop, new, pair = *_reversal(world, flow, method, y, start, stop, new, first), -1
-        if _overlap(world, flow, stop, new) < -DEEP * world.scales.length:
+        course.lay(end, new, stages)
+        stop = _own_end(world, course)
+        if _overlap(world, course, stop, course.new) < -DEEP * world.scales.length:
             world.audit.rejected += 1
             h = 0.5 * (stop - start)
             continue
         break
     world.audit.steps += 1
-    world.step = max(h if stop < end else end - start, 0.0) * (5.0 if error == 0.0 else min(5.0, 0.9 * error**-0.125))
-    if end == limit and stop == end:
-        world.step = max(world.step, h)
-    _arrive(world, flow, stop, new)
-    if pair >= 0:
-        world.dirty[world.detector.pairs[pair]] = True
-        world.clear[pair], world.hits[pair] = stop, False
+    growth = 5.0 if error == 0.0 else min(5.0, 0.9 * error**-0.125)
+    # a step that the limit cut short says nothing against the longer one
+    world.pace[course.members] = max(h, (end - start) * growth) if end == limit else (end - start) * growth
 
 
-def _reversal(
-    world: World, flow: _Flow, method: RungeKutta8, y: np.ndarray, start: float, stop: float, new: np.ndarray,
-    first: np.ndarray,
-) -> tuple[float, np.ndarray]:  # fmt: skip
-    """When the first contact ceases to slide, and the state then.
+def _own_end(world: World, course: Course) -> float:
+    """Shorten a step to where its bodies meet each other or what is fixed, leave a feature, or cease to slide."""
+    while True:
+        t = _meets(world, course)
+        if t >= course.end or _cut(world, course, t):
+            break
+    stop = _slides_off(world, course)
+    if stop < course.end:
+        course.lay(stop, *course.carried(stop))
+    if course.slip(course.end, course.new) < 0.0:
+        course.lay(*_reversal(world, course))
+    return course.end
+
+
+def _meets(world: World, course: Course) -> float:
+    """When bodies of an island first meet each other or what is fixed, or the end of the step [s]."""
+    pairs = course.pairs
+    for _ in range(1000 + 50 * len(pairs)):
+        if len(pairs) == 0:
+            return course.end
+        p = int(pairs[np.argmin(world.clear[pairs])])
+        if world.clear[p] >= course.end:
+            return course.end
+        if world.hits[p]:
+            return float(world.clear[p])
+        world.look(p)
+    raise Stalled(f"search for the next contact of {', '.join(world.names(*course.members))}", world.t)
+
+
+def _reversal(world: World, course: Course) -> tuple[float, np.ndarray, np.ndarray]:
+    """When the first contact ceases to slide, the state then, and the rates on the way.
 
     The Illinois method on the slip of the motion itself, which is a straight line in time where friction is constant.
     """
-    low, high = start, stop
-    above, below = flow.slip(start, y), flow.slip(stop, new)
+    low, high = course.begin, course.end
+    stop, new, stages = course.end, course.new, course.stages
+    above, below = course.slip(low, course.y), course.slip(high, new)
     side = 0
     for _ in range(80):
         t = (low * below - high * above) / (below - above)
@@ -196,8 +131,8 @@ def _reversal(
             t = 0.5 * (low + high)
         if t in (low, high):
             break
-        new, _ = method.step(flow, start, y, t - start, first)
-        stop, value = t, flow.slip(t, new)
+        new, stages = course.carried(t)
+        stop, value = t, course.slip(t, new)
         if abs(value) <= STANDING * world.scales.speed:
             break
         if value > 0.0:
@@ -208,53 +143,85 @@ def _reversal(
             high, below = t, value
             above = 0.5 * above if side == -1 else above
             side = -1
-    return stop, new
+    return stop, new, stages
 
 
-def _jammed(world: World, flow: _Flow) -> None:
-    """No contact forces exist a moment from now: impulses take their place."""
-    for group, grip in zip(flow.groups, flow.grips, strict=True):
-        if grip is not None:
-            jam(world, group)
-    world.dirty[flow.bodies] = True
+def cut(world: World, pair: int, t: float) -> bool:
+    """End the steps of both bodies of a pair at time t, at which they meet; False if they do not quite.
+
+    The steps then end where the polynomials had the meeting, and it must be looked for again.
+    """
+    ends = world.detector.pairs[pair]
+    cuts = [_cut(world, course, t) for course in world.courses if np.isin(ends, course.members).any()]
+    return all(cuts)
 
 
-def _segments(
-    world: World, flow: _Flow, start: float, end: float, y: np.ndarray, new: np.ndarray, stages: np.ndarray
-) -> None:
-    """Give the held bodies polynomials for this step, with bounds from its stages."""
-    m, b, h = world.motion, world.bodies, end - start
-    held = np.zeros(len(world.mode), dtype=bool)
-    for i, at in flow.at.items():
-        held[i] = True
-        ends = []
-        for state, rate in ((y, stages[0]), (new, stages[12])):
-            q, momentum = state[at + 3 : at + 7], state[at + 10 : at + 13]
-            rotation = rotations(q[None])[0]
-            w = spin(rotation, b.inverse_inertia[i], momentum)
-            alpha = spin(rotation, b.inverse_inertia[i], rate[at + 10 : at + 13] - np.cross(w, momentum))
-            bend = spin_rate(q, alpha) + spin_rate(rate[at + 3 : at + 7].copy(), w)
-            ends.append((q, rate[at + 3 : at + 7], bend, w, alpha))
-        (q0, dq0, ddq0, w0, alpha0), (q1, dq1, ddq1, w1, alpha1) = ends
-        place, pace = slice(at, at + 3), slice(at + 7, at + 10)
-        hermite(h, y[place], y[pace], stages[0, pace], new[place], new[pace], stages[12, pace], m.x_series[i])
-        hermite(h, q0, dq0, ddq0, q1, dq1, ddq1, m.q_series[i])
-        m.begin[i], m.end[i], m.start[i] = start, math.inf, m.L[i]
-        pulls = stages[:, pace]
-        mean = pulls.mean(axis=0)
-        twist = SAFETY * max(np.linalg.norm(alpha0), np.linalg.norm(alpha1))
-        m.bounds[i, :3] = mean
-        m.bounds[i, 3] = SAFETY * float(np.sqrt(((pulls - mean) ** 2).sum(axis=1).max()))
-        m.bounds[i, 4] = max(np.linalg.norm(w0), np.linalg.norm(w1)) + twist * h
-        m.bounds[i, 5] = twist
-    world.forget(held)
+def _cut(world: World, course: Course, t: float) -> bool:
+    if t >= course.end:
+        return True
+    new, stages = (course.y, course.stages) if t <= course.begin else course.carried(t)
+    away = course.deviation(t, new)
+    course.lay(t, new, stages)
+    course.cuts += 1
+    return away <= world.search.tolerance or course.cuts > CUTS
 
 
-def _interrupted(world: World, flow: _Flow, start: float, end: float) -> tuple[float, int]:
-    """Where the step must stop, and the pair that meets then (-1: none)."""
-    stop, pair = world.first_hit(end)
-    slide = _slides_off(world, start, stop)
-    return (slide, -1) if slide < stop else (stop, pair)
+def interrupt(world: World, cluster: np.ndarray) -> bool:
+    """Bring the islands of these bodies (boolean) that are on their way to the present; whether there were any."""
+    late = [c for c in world.courses if cluster[c.members].any() and not c.arrived]
+    for course in late:
+        if course.end > -math.inf:
+            _cut(world, course, world.t)
+            _arrive(world, course)
+        course.arrived = True
+        cluster[course.members] = True
+    return bool(late)
+
+
+def arrive(world: World) -> None:
+    """Set the state of the islands whose step ends now; their contacts are then looked at again."""
+    for course in world.courses:
+        if course.end <= world.t and not course.arrived:
+            _arrive(world, course)
+
+
+def _arrive(world: World, course: Course) -> None:
+    course.show(course.new)
+    _restore(world, course)
+    world.dirty[course.members] = True
+    course.arrived = True
+
+
+def show(world: World) -> None:
+    """Set the state of the islands on their way to what it is now, by the motion itself; they go on undisturbed."""
+    for course in world.courses:
+        if course.begin < world.t < course.end:
+            kept = course.states
+            course.show(course.carried(world.t)[0])
+            course.states = kept  # what is looked at changes nothing
+
+
+def _slides_off(world: World, course: Course) -> float:
+    """First time at which a contact has left its feature by a little more than the lateral tolerance, or the end."""
+    contacts, end = course.island.contacts, course.end
+    bounded = world.bodies.half[contacts.kinds[:, 1], 0] > 0.0
+    if not bounded.any():
+        return end
+    contacts = contacts.chosen(bounded)
+    out = world.detector.lateral
+    if _margins(world, contacts, end) >= -out:
+        return end
+    low, high = course.begin, end
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        least = _margins(world, contacts, middle)
+        if -3.0 * out <= least < -out or middle in (low, high):
+            return middle if least < -out else high
+        if least < -out:
+            high = middle
+        else:
+            low = middle
+    return high
 
 
 def _margins(world: World, contacts: Contacts, t: float) -> float:
@@ -272,65 +239,26 @@ def _margins(world: World, contacts: Contacts, t: float) -> float:
     return least
 
 
-def _slides_off(world: World, start: float, end: float) -> float:
-    """First time at which a contact has left its feature by a little more than the lateral tolerance, or `end`."""
-    contacts = world.contacts
-    bounded = world.bodies.half[contacts.kinds[:, 1], 0] > 0.0
-    if not bounded.any():
-        return end
-    contacts = contacts.chosen(bounded)
-    out = world.detector.lateral
-    if _margins(world, contacts, end) >= -out:
-        return end
-    low, high = start, end
-    for _ in range(100):
-        middle = 0.5 * (low + high)
-        least = _margins(world, contacts, middle)
-        if -3.0 * out <= least < -out or middle in (low, high):
-            return middle if least < -out else high
-        if least < -out:
-            high = middle
-        else:
-            low = middle
-    return high
-
-
-def _overlap(world: World, flow: _Flow, t: float, y: np.ndarray) -> float:
-    """Deepest overlap of a held body with anything at time t [m], negative or zero."""
-    pose, _ = flow.pose(t, y)
+def _overlap(world: World, course: Course, t: float, y: np.ndarray) -> float:
+    """Deepest overlap within an island, or with what is fixed, at time t [m], negative or zero."""
+    pose = course.place(t, y)
     dirty = np.zeros(len(world.mode), dtype=bool)
-    dirty[flow.bodies] = True
-    x, rotation = pose.x.copy(), pose.rotation.copy()
-    m, rate = world.motion, np.empty(4)
-    for i in np.flatnonzero(world.mode != HELD):
-        q = np.empty(4)
-        where(t - m.begin[i], m.x_series[i], m.q_series[i], x[i], np.empty(3), q, rate)
-        rotation[i] = rotations(q[None])[0]
-    found = world.detector.contacts(x, rotation, dirty)
+    dirty[course.members] = True
+    own = dirty | (world.bodies.inverse_mass == 0.0)
+    found = world.detector.contacts(pose.x, pose.rotation, dirty)
+    found = found.chosen(own[found.kinds[:, 0]] & own[found.kinds[:, 1]])
     if len(found.kinds) == 0:
         return 0.0
-    return min(0.0, float(kinematics(found, x, rotation, pose.v, pose.w).gap.min()))
+    return min(0.0, float(kinematics(found, pose.x, pose.rotation, pose.v, pose.w).gap.min()))
 
 
-def _arrive(world: World, flow: _Flow, t: float, y: np.ndarray) -> None:
-    """Set the state of all bodies at the end of a step; held contacts keep their gap."""
-    m = world.motion
-    world.carry(t)
-    for i, at in flow.at.items():
-        m.x[i], m.v[i], m.L[i] = y[at : at + 3], y[at + 7 : at + 10], y[at + 10 : at + 13]
-        q = y[at + 3 : at + 7]
-        m.q[i] = q / math.sqrt(float(q @ q))
-    _restore(world, flow)
-    world.dirty[flow.bodies] = True
-
-
-def _restore(world: World, flow: _Flow) -> None:
+def _restore(world: World, course: Course) -> None:
     """Take out what the integration changed of the gaps at the contacts that push.
 
     They keep the gap they had: to close it would push a neighbour that has just arrived into overlap.
     """
-    for group, p, gap in zip(flow.groups, flow.pushes, flow.gaps, strict=True):
-        loaded = p.force > 0.0
-        if loaded.any():
-            part = Island(group.bodies, group.contacts.chosen(loaded), group.place)
-            part.shift(world.motion, world.bodies, gap[loaded])
+    loaded = course.loaded
+    if loaded.any():
+        island = course.island
+        part = Island(island.bodies, island.contacts.chosen(loaded), island.place)
+        part.shift(world.motion, world.bodies, course.gap[loaded])

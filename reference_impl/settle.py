@@ -13,8 +13,10 @@ import math
 
 import numpy as np
 
+from reference_impl import lasting
 from reference_impl.collide.detect import Contacts
 from reference_impl.contact_problem import NoSolution
+from reference_impl.course import Course
 from reference_impl.effects.impact import LAWS, Collision
 from reference_impl.effects.resting import Island, Pose, Problem, Push, islands, nearest, push, rounding
 from reference_impl.errors import MissingEffect, Stalled
@@ -40,35 +42,48 @@ def settle(world: World) -> None:
     Stalled
         If contact forces do not exist again and again.
     """
-    for _ in range(JAMS):
-        if _settled(world):
-            return
-    raise Stalled(f"{JAMS} impulses in place of forces that do not exist (Painlevé)", world.t)
-
-
-def _settled(world: World) -> bool:
-    """Whether this is done; False if an impulse has taken the place of forces and all must be looked at again."""
-    cluster = world.dirty.copy()
-    pose = Pose.now(world.motion, world.bodies)
-    contacts = world.detector.contacts(world.motion.x, pose.rotation, cluster)
-    lasting = contacts.chosen(np.zeros(0, dtype=np.int64))
-    world.mode[cluster] = FLYING
-    if len(contacts.kinds):
-        island = Island.of(contacts, world.bodies)
-        problem = island.problem(pose, world.bodies)
-        world.audit.gap = min(world.audit.gap, float(problem.k.gap.min()))
+    cluster = world.dirty & (world.bodies.inverse_mass > 0.0)  # a floor does not tell one island of another
+    contacts = _touching(world, cluster)
+    _release(world, cluster)
+    for island in islands(contacts, world.bodies):
         world.audit.events += 1
-        if (problem.k.rate < -world.search.speed).any():
-            _collide(world, island, problem)
-            problem = island.problem(Pose.now(world.motion, world.bodies), world.bodies)
-        lasting = contacts.chosen(_resting(world, problem))
-    if not _hold(world, lasting, cluster):
-        return False
+        for _ in range(JAMS):
+            if _settled(world, island):
+                break
+            _release(world, island.place >= 0)
+        else:
+            raise Stalled(f"{JAMS} impulses in place of forces that do not exist (Painlevé)", world.t)
     for i in np.flatnonzero(cluster & (world.mode != HELD)):
         world.launch(i)
     world.forget(cluster)
     world.dirty[:] = False
-    return True
+
+
+def _release(world: World, cluster: np.ndarray) -> None:
+    """Take these bodies (boolean) out of all lasting contact."""
+    world.mode[cluster] = FLYING
+    world.forces = [h for h in world.forces if not (cluster[h.a] or cluster[h.b])]
+    world.courses = [c for c in world.courses if not cluster[c.members].any()]
+    world.lasts &= ~cluster[world.detector.pairs].any(axis=1)
+
+
+def _touching(world: World, cluster: np.ndarray) -> Contacts:
+    """Contacts of these bodies (boolean), of all that they touch and so on; every one of them is in the present now."""
+    while True:
+        rotation = Pose.now(world.motion, world.bodies).rotation
+        contacts = world.detector.contacts(world.motion.x, rotation, cluster)
+        if not lasting.interrupt(world, cluster):
+            return contacts
+
+
+def _settled(world: World, island: Island) -> bool:
+    """Whether the contacts that touch each other are dealt with; False if an impulse has taken the place of forces."""
+    problem = island.problem(Pose.now(world.motion, world.bodies), world.bodies)
+    world.audit.gap = min(world.audit.gap, float(problem.k.gap.min()))
+    if (problem.k.rate < -world.search.speed).any():
+        _collide(world, island, problem)
+        problem = island.problem(Pose.now(world.motion, world.bodies), world.bodies)
+    return _hold(world, island.contacts.chosen(_resting(world, problem)))
 
 
 def _collide(world: World, island: Island, problem: Problem) -> None:
@@ -161,7 +176,7 @@ def _alone(g: np.ndarray) -> bool:
     return len(g) == 1 and not g[:, 3:6].any()
 
 
-def _hold(world: World, lasting: Contacts, cluster: np.ndarray) -> bool:
+def _hold(world: World, stay: Contacts) -> bool:
     """Put bodies with lasting contacts under contact forces, or to rest; False if an impulse was due instead.
 
     Raises
@@ -169,9 +184,7 @@ def _hold(world: World, lasting: Contacts, cluster: np.ndarray) -> bool:
     MissingEffect
         If contact forces are needed and the scene declares no Resting.
     """
-    world.forces = [h for h in world.forces if not (cluster[h.a] or cluster[h.b])]
-    world.contacts = lasting if len(lasting.kinds) else None
-    for island in islands(lasting, world.bodies) if len(lasting.kinds) else []:
+    for island in islands(stay, world.bodies):
         _stop_parting(world, island)
         pose = Pose.now(world.motion, world.bodies)
         problem = island.problem(pose, world.bodies)
@@ -195,10 +208,10 @@ def _hold(world: World, lasting: Contacts, cluster: np.ndarray) -> bool:
             world.motion.v[island.bodies] = world.motion.L[island.bodies] = 0.0
             world.rested[island.bodies] = True
             world.audit.rests = int(world.rested.sum())
+        else:
+            world.courses.append(Course(world, island))
+            world.lasts[island.contacts.pairs] = True
         _record(world, island, problem, p.force, friction)
-    if world.contacts is not None:
-        keep = (world.mode[lasting.kinds[:, 0]] == HELD) | (world.mode[lasting.kinds[:, 1]] == HELD)
-        world.contacts = lasting.chosen(keep) if keep.any() else None
     return True
 
 

@@ -27,7 +27,7 @@ from reference_impl.collide.detect import Detector, Search, kinematics, rotation
 from reference_impl.errors import Overlap, Stalled
 from reference_impl.settle import settle
 from reference_impl.state import Bodies, bodies_of, motion_of
-from reference_impl.world import HELD, Scales, Settings, World
+from reference_impl.world import Scales, Settings, World
 
 TOUCH = 1e-9  # features closer than this touch [smallest body size]
 QUIET = 1e-12  # slower approach is none [speed scale]
@@ -98,29 +98,31 @@ def advance(world: World, duration: float) -> None:
     while world.t < target:
         if world.dirty.any():
             settle(world)
-        limit = min(target, _next_switch(world), float(world.motion.end.min()))
-        if (world.mode == HELD).any():
-            lasting.step(world, limit)
-        else:
-            _fly(world, limit)
-        world.renew()
+            lasting.embark(world, _next_switch(world))
+        if not world.dirty.any():  # else impulses have taken the place of forces, at this very time
+            _move(world, target)
         if world.audit.events > budget:
             raise Stalled(f"more than {world.settings.events} contacts in one call", world.t)
         if world.t > crowd[0] + 1e-3 * world.scales.time:
             crowd = (world.t, world.audit.events)
         elif world.audit.events > crowd[1] + CROWD:
             raise Stalled(f"more than {CROWD} contacts without progress in time", world.t)
+    lasting.show(world)
 
 
-def _fly(world: World, limit: float) -> None:
-    """All bodies in flight: to the first contact or to `limit` [s]."""
-    time, pair = world.first_hit(limit)
+def _move(world: World, target: float) -> None:
+    """All bodies on their ways: to the first contact, the first end of a step, or to `target` [s]."""
+    time, pair = world.first_hit(min(target, _next_switch(world), float(world.motion.end.min())))
+    if pair >= 0 and not lasting.cut(world, pair, time):
+        return
     world.carry(time)
+    lasting.arrive(world)
     if pair >= 0:
         world.dirty[world.detector.pairs[pair]] = True
         world.clear[pair], world.hits[pair] = time, False
     elif time == _next_switch(world, before=time):
         _switch(world)
+    world.renew()
 
 
 def _next_switch(world: World, before: float | None = None) -> float:

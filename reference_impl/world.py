@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from mechanics.scene import Scene
 from mechanics.trajectory import State
-from reference_impl.collide.detect import Contacts, Detector, Search, rotations
+from reference_impl.collide.detect import Detector, Search, rotations
 from reference_impl.contact_problem import SOLVERS
 from reference_impl.effects.impact import LAWS
 from reference_impl.errors import Stalled, Unsupported
@@ -19,7 +19,11 @@ from reference_impl.kernels import spin
 from reference_impl.parts import Parts
 from reference_impl.state import Bodies, Motion
 
+if TYPE_CHECKING:
+    from reference_impl.course import Course
+
 FLYING, HELD, STILL = 0, 1, 2  # free; under contact forces; at rest for good until something touches it
+HORIZON = 10.0  # how far ahead a pair is searched for a contact at once [time scale]
 
 
 @dataclass(frozen=True)
@@ -133,11 +137,11 @@ class World:
     moving: bool = field(init=False)  # whether some fixed body moves
     rested: np.ndarray = field(init=False)  # bodies that came to proven rest at some time
     mu: np.ndarray = field(init=False)  # (pairs,) coefficients of friction
-    contacts: Contacts | None = None  # that last, of all held bodies
-    held: dict[int, Held] = field(default_factory=dict)  # running number -> contact with its force
+    courses: list[Course] = field(default_factory=list)  # of the islands in lasting contact
+    lasts: np.ndarray = field(init=False)  # (pairs,) whether a contact of the pair is part of a course
+    pace: np.ndarray = field(init=False)  # (n,) step proposed for each body in lasting contact [s]
     forces: list[Held] = field(default_factory=list)
     pushing: set[tuple[int, int, int, int]] = field(default_factory=set)
-    step: float = 0.0  # proposed for the motion in lasting contact [s]
     events: list[Collided] = field(default_factory=list)
     audit: Audit = field(default_factory=Audit)
 
@@ -149,8 +153,9 @@ class World:
         self.hits = np.zeros(len(self.detector.pairs), dtype=bool)
         self.moving = any(b.fixed and (any(b.velocity) or any(b.acceleration)) for b in self.scene.bodies)
         self.rested = np.zeros(n, dtype=bool)
-        self.step = 1e-2 * self.scales.time
         self._refuse()
+        self.pace = np.full(n, 1e-2 * self.scales.time)
+        self.lasts = np.zeros(len(self.detector.pairs), dtype=bool)
         self.mu = np.zeros(len(self.detector.pairs))
         if self.parts.law.friction is not None:
             self.mu[:] = [self.parts.law.friction.of(*self.names(a, b)) for a, b in self.detector.pairs.tolist()]
@@ -245,16 +250,20 @@ class World:
                 break
             if self.hits[p]:
                 return float(self.clear[p]), p
-            self._look(p, limit)
+            self.look(p)
             spent += 1
             if spent > 1000 + 50 * len(self.clear):
                 raise Stalled(f"search for the next contact of {self.names(*self.detector.pairs[p])}", self.t)
         return limit, -1
 
-    def _look(self, p: int, limit: float) -> None:
+    def look(self, p: int) -> None:
+        """Search on for a contact of pair p."""
         a, b = self.detector.pairs[p].tolist()
         if self.static(a) and self.static(b):
             self.clear[p] = math.inf
             return
-        touching = self.contacts is not None and bool((self.contacts.pairs == p).any())
-        self.clear[p], self.hits[p] = self.detector.meet(p, float(self.clear[p]), limit, self.motion, touching)
+        # to an end that depends on these two bodies only, so that what others do does not change a bit of the answer
+        horizon = min(self.motion.end[a], self.motion.end[b], self.clear[p] + HORIZON * self.scales.time)
+        self.clear[p], self.hits[p] = self.detector.meet(
+            p, float(self.clear[p]), float(horizon), self.motion, bool(self.lasts[p])
+        )

@@ -1,0 +1,232 @@
+"""An island in lasting contact on its way: its state, its forces, and the step it is on.
+
+Every island has a clock of its own.  It starts a step when its contacts have been looked at, and nothing that
+happens elsewhere touches it; within the step its bodies are followed on polynomials of degree five.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from reference_impl.effects.resting import Island, Pose, Push, push, rounding
+from reference_impl.effects.sliding import Grip, grip_of, reversing, rough_push
+from reference_impl.integrators import RungeKutta8, hermite, where
+from reference_impl.kernels import kernel, matrix, spin, spin_rate
+from reference_impl.rough import limits
+
+if TYPE_CHECKING:
+    from reference_impl.world import World
+
+SAFETY = 1.5  # on bounds of the accelerations within a step, which are sampled at its stages
+WIDTH = 13  # numbers of one body in a state: position, quaternion, velocity, angular momentum
+
+
+class Course:
+    """The motion of one island under contact forces, from now on.
+
+    Attributes
+    ----------
+    island : Island
+    begin, end : float
+        Of the step it is on [s]; `end` is -inf before the first one.
+    y, new : (13 k,) arrays
+        State (x, q, v, L) of its k bodies, one after the other, at the begin and the end of the step.
+    stages : (13, 13 k) array
+        Rates of the state within the step, the first at its begin and the last at its end.
+    grip : Grip or None
+        Which contacts slide; None where all are smooth.
+    pairs : array of int
+        Pairs of bodies within the island, and of one of them with a fixed body.
+    gap : (m,) array
+        Gaps to be kept [m].
+    loaded : (m,) array of bool
+        Which contacts push at the end of the step.
+    cuts : int
+        How often the step was cut short by something that met it.
+    arrived : bool
+        Whether the world has the state at its end.
+    """
+
+    def __init__(self, world: World, island: Island) -> None:
+        self.world, self.island, self.bodies = world, island, world.bodies
+        m = world.motion
+        self.begin, self.end = world.t, -math.inf
+        self.members = island.bodies
+        self.y = np.concatenate([m.x[self.members], m.q[self.members], m.v[self.members], m.L[self.members]], 1).ravel()
+        self.new, self.stages = self.y, np.empty((WIDTH, 0))
+        self.q = m.q.copy()
+        self.pose = Pose.of(m.x.copy(), m.q, m.v.copy(), m.L.copy(), self.bodies)
+        partners = {i for i in island.contacts.kinds[:, :2].ravel().tolist() if self.bodies.inverse_mass[i] == 0.0}
+        own = self.bodies.inverse_mass == 0.0
+        own[self.members] = True
+        pairs = world.detector.pairs
+        self.pairs = np.flatnonzero(own[pairs].all(axis=1) & np.isin(pairs, self.members).any(axis=1))
+        self.carriers = sorted(i for i in partners if world.moving)
+        self.states: np.ndarray | None = None  # of the contacts at the last evaluation, the guess for the next
+        self.push: Push | None = None
+        self.friction: np.ndarray | None = None
+        problem, mu = island.problem(self.pose, self.bodies), world.mu[island.contacts.pairs]
+        self.gap, self.limits = problem.k.gap, limits(world)
+        self.grip: Grip | None = None
+        if mu.any():
+            self.grip = grip_of(island, problem, self.pose, self.bodies, mu, self.limits)
+        self.method = RungeKutta8()
+        self.loaded = np.zeros(len(self.gap), dtype=bool)
+        self.cuts = 0
+        self.arrived = False
+
+    def place(self, t: float, y: np.ndarray) -> Pose:
+        """Pose of all bodies with those of the island as y says and those that carry it as they are at time t."""
+        m, rate, q = self.world.motion, np.empty(4), np.empty(4)
+        for i in self.carriers:
+            where(t - m.begin[i], m.x_series[i], m.q_series[i], self.pose.x[i], self.pose.v[i], q, rate)
+        _place(self.members, y, self.bodies.inverse_inertia, self.q, *self.pose)
+        return self.pose
+
+    def __call__(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Rate of the state y at time t.
+
+        Raises
+        ------
+        NoSolution
+            If there are no contact forces.
+        """
+        pose, b, island = self.place(t, y), self.bodies, self.island
+        problem = island.problem(pose, b)
+        if self.grip is None:
+            p = push(island, problem, pose, b, self.world.settings.solver, self.states)
+            self.states = p.force > 0.0
+        else:
+            p, self.friction, self.states = rough_push(
+                island, problem, pose, b, self.grip, self.limits.slow, self.states
+            )
+        self.push = p
+        self.world.audit.residual = max(self.world.audit.residual, p.residual)
+        out = np.empty_like(y)
+        _rates(self.members, self.q, pose.v, pose.w, p.acceleration, p.torque, out)
+        return out
+
+    def carried(self, t: float) -> tuple[np.ndarray, np.ndarray]:
+        """State at time t of the step, by the motion itself and not by its polynomials, and the rates on the way."""
+        return self.method.step(self, self.begin, self.y, t - self.begin, self.stages[0])
+
+    def slip(self, t: float, y: np.ndarray) -> float:
+        """Least slip of the contacts that slide, along their direction at the start; negative past a reversal [m/s]."""
+        if self.grip is None or not self.grip.slides.any():
+            return math.inf
+        pose = self.place(t, y)
+        problem = self.island.problem(pose, self.bodies)
+        return reversing(self.island, problem, pose, self.bodies, self.grip, self.push.force > 0.0)
+
+    def scale(self) -> np.ndarray:
+        """Error allowed in each component of the state."""
+        s, b = self.world.scales, self.bodies
+        momentum = s.speed * s.length / b.inverse_mass[self.members]
+        out = np.empty((len(self.members), WIDTH))
+        out[:, :3], out[:, 3:7], out[:, 7:10], out[:, 10:] = s.length, 1.0, s.speed, momentum[:, None]
+        return max(self.world.settings.tolerance, 100.0 * rounding(b, self.members)) * out.ravel()
+
+    def lay(self, end: float, new: np.ndarray, stages: np.ndarray) -> None:
+        """Take this as the step, and give the bodies polynomials for it with bounds from its stages."""
+        self.end, self.new, self.stages = end, new, stages
+        self.loaded = self.push.force > 0.0
+        m, b, h = self.world.motion, self.bodies, end - self.begin
+        m.begin[self.members], m.end[self.members] = self.begin, end
+        if h > 0.0:
+            _lay(self.members, h, self.y, new, stages, b.inverse_inertia, m.x_series, m.q_series, m.bounds)
+        changed = np.zeros(len(m.x), dtype=bool)
+        changed[self.members] = True
+        self.world.forget(changed)
+
+    def deviation(self, t: float, y: np.ndarray) -> float:
+        """Greatest distance of any point of a body from where its polynomials have it at time t [m]."""
+        m, worst = self.world.motion, 0.0
+        x, v, q, rate = np.empty(3), np.empty(3), np.empty(4), np.empty(4)
+        for i, one in zip(self.members.tolist(), y.reshape(-1, WIDTH), strict=True):
+            where(t - m.begin[i], m.x_series[i], m.q_series[i], x, v, q, rate)
+            turn = np.abs(matrix(q) - matrix(one[3:7])).max() * self.bodies.reach[i]
+            worst = max(worst, float(np.abs(x - one[:3]).max() + turn))
+        return worst
+
+    def show(self, y: np.ndarray) -> None:
+        """Set the world's motion of these bodies to the state y."""
+        m, each = self.world.motion, y.reshape(-1, WIDTH)
+        q = each[:, 3:7]
+        m.x[self.members], m.v[self.members], m.L[self.members] = each[:, :3], each[:, 7:10], each[:, 10:]
+        m.q[self.members] = q / np.sqrt((q * q).sum(axis=1))[:, None]
+
+
+@kernel
+def _place(members, y, inverse_inertia, q, x, rotation, v, w, momentum):
+    for at in range(len(members)):
+        i, k = members[at], 13 * at
+        for c in range(3):
+            x[i, c], v[i, c], momentum[i, c] = y[k + c], y[k + 7 + c], y[k + 10 + c]
+        for c in range(4):
+            q[i, c] = y[k + 3 + c]
+        m = matrix(q[i])
+        turn = spin(m, inverse_inertia[i], momentum[i])
+        for c in range(3):
+            w[i, c] = turn[c]
+            for d in range(3):
+                rotation[i, c, d] = m[c, d]
+
+
+@kernel
+def _rates(members, q, v, w, acceleration, torque, out):
+    for at in range(len(members)):
+        i, k = members[at], 13 * at
+        turn = spin_rate(q[i], w[i])
+        for c in range(3):
+            out[k + c], out[k + 7 + c], out[k + 10 + c] = v[i, c], acceleration[at, c], torque[at, c]
+        for c in range(4):
+            out[k + 3 + c] = turn[c]
+
+
+@kernel
+def _bend(q, rate, momentum, torque, inverse_inertia, w, alpha):
+    """Second derivative of a quaternion; writes angular velocity and acceleration."""
+    rotation = matrix(q)
+    turn = spin(rotation, inverse_inertia, momentum)
+    net = np.empty(3)
+    net[0] = torque[0] - (turn[1] * momentum[2] - turn[2] * momentum[1])
+    net[1] = torque[1] - (turn[2] * momentum[0] - turn[0] * momentum[2])
+    net[2] = torque[2] - (turn[0] * momentum[1] - turn[1] * momentum[0])
+    bent = spin(rotation, inverse_inertia, net)
+    for c in range(3):
+        w[c], alpha[c] = turn[c], bent[c]
+    return spin_rate(q, alpha) + spin_rate(rate, w)
+
+
+@kernel
+def _lay(members, h, y, new, stages, inverse_inertia, x_series, q_series, bounds):
+    """Polynomials of degree five over a step, and bounds of the accelerations from its stages."""
+    w, alpha, mean = np.empty((2, 3)), np.empty((2, 3)), np.empty(3)
+    for at in range(len(members)):
+        i, k = members[at], 13 * at
+        first, last = stages[0, k : k + 13], stages[12, k : k + 13]
+        p, e = y[k : k + 13], new[k : k + 13]
+        bend = _bend(p[3:7], first[3:7], p[10:13], first[10:13], inverse_inertia[i], w[0], alpha[0])
+        bent = _bend(e[3:7], last[3:7], e[10:13], last[10:13], inverse_inertia[i], w[1], alpha[1])
+        hermite(h, p[:3], p[7:10], first[7:10], e[:3], e[7:10], last[7:10], x_series[i])
+        hermite(h, p[3:7], first[3:7], bend, e[3:7], last[3:7], bent, q_series[i])
+        for c in range(3):
+            mean[c] = 0.0
+            for s in range(13):
+                mean[c] += stages[s, k + 7 + c] / 13.0
+            bounds[i, c] = mean[c]
+        square, fastest, twist = 0.0, 0.0, 0.0
+        for s in range(13):
+            away = 0.0
+            for c in range(3):
+                away += (stages[s, k + 7 + c] - mean[c]) ** 2
+            square = max(square, away)
+        for side in range(2):
+            fastest = max(fastest, math.sqrt(w[side, 0] ** 2 + w[side, 1] ** 2 + w[side, 2] ** 2))
+            twist = max(twist, math.sqrt(alpha[side, 0] ** 2 + alpha[side, 1] ** 2 + alpha[side, 2] ** 2))
+        bounds[i, 3] = SAFETY * math.sqrt(square)
+        bounds[i, 4] = fastest + SAFETY * twist * h
+        bounds[i, 5] = SAFETY * twist
