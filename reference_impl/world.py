@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from reference_impl.course import Course
 
 FLYING, HELD, STILL = 0, 1, 2  # free; under contact forces; at rest for good until something touches it
-HORIZON = 10.0  # how far ahead a pair is searched for a contact at once [time scale]
+HORIZON = 10.0  # how far ahead a pair is searched for a contact at once [time scale, or what lies behind]
 
 
 @dataclass(frozen=True)
@@ -263,7 +263,7 @@ class World:
             self.clear[p] = math.inf
             return
         # to an end that depends on these two bodies only, so that what others do does not change a bit of the answer
-        horizon = min(self.motion.end[a], self.motion.end[b], self.clear[p] + HORIZON * self.scales.time)
-        self.clear[p], self.hits[p] = self.detector.meet(
-            p, float(self.clear[p]), float(horizon), self.motion, bool(self.lasts[p])
-        )
+        m, clear = self.motion, float(self.clear[p])
+        ahead = HORIZON * max(self.scales.time, clear - max(m.begin[a], m.begin[b]))
+        end = float(min(m.end[a], m.end[b], clear + ahead))
+        self.clear[p], self.hits[p] = self.detector.meet(p, clear, end, m, bool(self.lasts[p]))
