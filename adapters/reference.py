@@ -136,6 +136,9 @@ class Reference(Profile):
 
     knobs: Mapping[str, tuple[Knob, ...]] = {
         "impact_law": ("sequential", "simultaneous", "poisson", "reflections", "propagation"),
+        "restitution": ("poisson", "energetic", "newton"),
+        "friction": ("convex", "pyramid", "exact"),
+        "sides": (4, 8, 16, 32),
         "tolerance": (1e-6, 1e-9, 1e-12),
         "time_of_contact": ("bisection", "advancement"),
         "solver": ("pgs", "lemke", "osqp_dual", "osqp", "dantzig", "nnls", "auto"),
@@ -147,6 +150,9 @@ class Reference(Profile):
         super().__init__(name)
         self.defaults = {
             "impact_law": impact_law,
+            "restitution": "newton",
+            "friction": "exact",
+            "sides": 4,
             "tolerance": 1e-12,
             "time_of_contact": "advancement",
             "solver": "auto",
@@ -158,6 +164,9 @@ class Reference(Profile):
 
         choices = Choices(
             impact_law=str(knobs["impact_law"]),
+            restitution=str(knobs["restitution"]),
+            friction=str(knobs["friction"]),
+            sides=int(knobs["sides"]),
             time_of_contact=str(knobs["time_of_contact"]),
             solver=str(knobs["solver"]),
             tolerance=float(knobs["tolerance"]),
@@ -173,7 +182,8 @@ class Reference(Profile):
 
     def audit(self, world: Any) -> dict[str, float]:
         """What the engine knows of its own soundness; see `reference_impl.world.Audit`."""
-        return super().audit(world) | {"evaluations": float(world.search.evaluations)}
+        incidents = {f"{i.what} of {' and '.join(i.bodies)} at [s]": i.time for i in reversed(world.incidents)}
+        return super().audit(world) | {"evaluations": float(world.search.evaluations)} | incidents
 
 
 class Lecture(Profile):

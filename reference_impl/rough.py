@@ -35,21 +35,23 @@ def rough_collision(
     """Contacts that collide with friction, and the tangents (m, 2, 3) of their impulses."""
     pose, m = Pose.now(world.motion, world.bodies), len(mu)
     s = slips(island.contacts, problem.k, pose, world.bodies)
-    tangents = frames(problem.k.normal, s.velocity)
+    model = world.settings.friction
+    # a polygon has its corners where the surface says; the circle may turn with the slip
+    tangents = frames(problem.k.normal, np.zeros((m, 3)) if model == "pyramid" else s.velocity)
     rows = rough(island, problem, pose, world.bodies, tangents, mu, np.zeros(m, dtype=np.bool_)).g.reshape(m, 3, -1)
     drift = np.zeros((m, 3))
     if world.moving:
         drift[:, 0] = np.einsum("ij,ij->i", problem.k.normal, s.carried)
         drift[:, 1:] = np.einsum("ijk,ik->ij", tangents, s.carried)
-    return RoughCollision(rows, problem.motion, drift, e, world.search.speed, mu), tangents
+    choices = (model, world.settings.sides, world.settings.restitution)
+    return RoughCollision(
+        rows, problem.motion, drift, e, world.search.speed, world.audit.certified_friction, mu, *choices
+    ), tangents
 
 
-def exchange_friction(
-    world: World, island: Island, problem: Problem, impulses: np.ndarray, tangents: np.ndarray
-) -> None:
-    """Add the tangential part of impulses (m, 3) to the motion."""
+def exchange_friction(world: World, island: Island, problem: Problem, along: np.ndarray) -> None:
+    """Add impulses along the surfaces (m, 3) [N s] to the motion."""
     b, m = world.bodies, world.motion
-    along = np.einsum("ij,ijk->ik", impulses[:, 1:], tangents)
     for row, p in enumerate(along):
         if not p.any():
             continue
@@ -98,6 +100,7 @@ def jam(world: World, island: Island) -> None:
         If there are no such impulses either.
     """
     b, world.audit.painleve = world.bodies, world.audit.painleve + 1
+    world.report("painleve", *island.contacts.kinds[0, :2].tolist())
     pose = Pose.now(world.motion, b)
     problem = island.problem(pose, b)
     mu = world.mu[island.contacts.pairs]

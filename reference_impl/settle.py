@@ -9,25 +9,21 @@ The classification by the normal relative velocity u of a touching contact is ma
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
-from reference_impl import lasting
+from reference_impl import audit, lasting
 from reference_impl.collide.detect import Contacts
+from reference_impl.collisions import alone, collide
 from reference_impl.contact_problem import NoSolution
 from reference_impl.course import Course
-from reference_impl.effects.impact import LAWS, Collision
 from reference_impl.effects.resting import Island, Pose, Problem, Push, islands, nearest, push, rounding
 from reference_impl.errors import MissingEffect, Stalled
-from reference_impl.kernels import cross
-from reference_impl.rough import exchange_friction, jam, rough_collision, rough_forces
-from reference_impl.world import FLYING, HELD, STILL, Collided, Held, World
+from reference_impl.rough import jam, rough_forces
+from reference_impl.world import FLYING, HELD, STILL, Held, World
 
 RETURN = 5e-6  # a contact that is back within this time never parted [time scale]
 RETURN_ALONE = 1e-8  # the same for a sphere with one contact
-ACCUMULATION = 1e-3  # bounces of a body that would all happen within this time are skipped [time scale]
-ACCUMULATION_ALONE = 1e-7  # the same for a sphere with one contact, whose bounces are cheap
+RETURN_CHATTER = 5e-3  # the same for a body whose contacts come and go too often to be followed
 ROUNDING = 1e-13  # forces below this part of the scaled weight are none
 JAMS = 20  # impulses at one instant in place of forces
 REST_SPEED = 1e-10  # [speed scale]
@@ -44,6 +40,7 @@ def settle(world: World) -> None:
     """
     cluster = world.dirty & (world.bodies.inverse_mass > 0.0)  # a floor does not tell one island of another
     contacts = _touching(world, cluster)
+    before, lasted = audit.arrival(world, cluster), world.mode != FLYING
     _release(world, cluster)
     for island in islands(contacts, world.bodies):
         world.audit.events += 1
@@ -55,6 +52,8 @@ def settle(world: World) -> None:
             raise Stalled(f"{JAMS} impulses in place of forces that do not exist (Painlevé)", world.t)
     for i in np.flatnonzero(cluster & (world.mode != HELD)):
         world.launch(i)
+    audit.departure(world, cluster, before)
+    audit.watch(world, cluster, lasted)
     world.forget(cluster)
     world.dirty[:] = False
 
@@ -81,99 +80,20 @@ def _settled(world: World, island: Island) -> bool:
     problem = island.problem(Pose.now(world.motion, world.bodies), world.bodies)
     world.audit.gap = min(world.audit.gap, float(problem.k.gap.min()))
     if (problem.k.rate < -world.search.speed).any():
-        _collide(world, island, problem)
+        collide(world, island, problem)
         problem = island.problem(Pose.now(world.motion, world.bodies), world.bodies)
-    return _hold(world, island.contacts.chosen(_resting(world, problem)))
+    return _hold(world, island.contacts.chosen(_resting(world, island, problem)))
 
 
-def _collide(world: World, island: Island, problem: Problem) -> None:
-    """Exchange impulses at the contacts that approach.
-
-    Raises
-    ------
-    MissingEffect
-        If bodies collide in a scene without Restitution.
-    """
-    law, names, contacts, k = world.parts.law, world.scene.names, island.contacts, problem.k
-    worst = int(np.argmin(k.rate))
-    if law.restitution is None and k.rate[worst] < -world.search.parting:
-        a, b = contacts.kinds[worst, :2].tolist()
-        why = f"bodies collide at {-k.rate[worst]:.6g} m/s"
-        raise MissingEffect("Restitution", (names[a], names[b]), world.t, why)
-    closing = problem.closing()
-    e = np.zeros(len(contacts.kinds))
-    if law.restitution is not None:
-        e[:] = [law.restitution.of(names[a], names[b]) for a, b in contacts.kinds[:, :2].tolist()]
-    alone = _alone(problem.g)
-    limit = (ACCUMULATION_ALONE if alone else ACCUMULATION) * world.scales.time
-
-    def restitution(u: np.ndarray) -> np.ndarray:
-        # all further bounces of a contact take 2 e |u| / (a (1 - e)); they are skipped once that is short
-        left = np.full(len(u), math.inf)
-        ends = (u < 0.0) & (closing > 0.0) & (e < 1.0)
-        left[ends] = 2.0 * e[ends] * -u[ends] / (closing[ends] * (1.0 - e[ends]))
-        if alone and left[0] < limit and e[0] > 0.0:
-            world.audit.last_bounce = world.t + float(left[0])
-        return np.where(left < limit, 0.0, e)
-
-    drift = k.rate - problem.g @ problem.motion if world.moving else np.zeros(len(e))
-    mu = world.mu[contacts.pairs]
-    tangents = None
-    if mu.any():
-        collision, tangents = rough_collision(world, island, problem, mu, restitution)
-    else:
-        collision = Collision(problem.g, problem.motion, drift, restitution, world.search.speed)
-    try:
-        outcome = LAWS[world.settings.impact_law](collision)
-    except NoSolution as error:
-        raise Stalled(f"impact: {error}", world.t) from None
-    world.audit.passes = max(world.audit.passes, outcome.passes)
-    before = kinetic_energy(world)
-    if tangents is None:
-        _exchange(world, island, problem, outcome.impulses)
-    else:
-        _exchange(world, island, problem, outcome.impulses[:, 0])
-        exchange_friction(world, island, problem, outcome.impulses, tangents)
-    if not world.moving:
-        world.audit.energy_rise = max(world.audit.energy_rise, kinetic_energy(world) - before)
-
-
-def _exchange(world: World, island: Island, problem: Problem, impulses: np.ndarray) -> None:
-    """Add the impulses to the motion, and put them on record."""
-    b, m, k = world.bodies, world.motion, problem.k
-    for row, p in enumerate(impulses.tolist()):
-        if p == 0.0:
-            continue
-        ends = island.contacts.kinds[row, :2].tolist()
-        n, point = k.normal[row], k.point[row]
-        for sign, i in zip((p, -p), ends, strict=True):
-            m.v[i] += sign * b.inverse_mass[i] * n
-            if b.quickness[i] > 0.0 and b.radius[i] == 0.0:  # at a sphere the normal passes through the centre
-                m.L[i] += sign * cross(point - m.x[i], n)
-        world.events.append(Collided(world.t, ends[0], ends[1], tuple(point.tolist()), tuple(n.tolist()), p))
-        world.audit.impacts += 1
-
-
-def kinetic_energy(world: World) -> float:
-    """Kinetic energy of all moving bodies [J]."""
-    pose = Pose.now(world.motion, world.bodies)
-    free = world.bodies.inverse_mass > 0.0
-    square = (pose.v[free] ** 2).sum(axis=1) / world.bodies.inverse_mass[free]
-    return 0.5 * float(square.sum() + (pose.w[free] * pose.L[free]).sum())
-
-
-def _resting(world: World, problem: Problem) -> np.ndarray:
+def _resting(world: World, island: Island, problem: Problem) -> np.ndarray:
     """Which contacts stay: not parting, or back at once."""
     stays = problem.k.rate <= world.search.parting
     if stays.all():
         return stays
-    moment = RETURN_ALONE if _alone(problem.g) else RETURN
+    moment = RETURN_ALONE if alone(problem.g) else RETURN
+    if audit.chatters(world, island.bodies):
+        moment = RETURN_CHATTER
     return stays | (problem.k.rate <= 0.5 * problem.closing() * moment * world.scales.time)
-
-
-def _alone(g: np.ndarray) -> bool:
-    """Whether one contact of a body that it cannot turn is all there is: a sphere on its own."""
-    return len(g) == 1 and not g[:, 3:6].any()
 
 
 def _hold(world: World, stay: Contacts) -> bool:

@@ -136,6 +136,7 @@ def _switch(world: World) -> None:
     """The loads change now: every body starts a new flight, and every contact is looked at again."""
     everything = np.ones(len(world.dirty), dtype=bool)
     world.bodies = world.detector.bodies = world.parts.loaded(world.unloaded, world.t)
+    world.energy[:] = np.nan  # of other loads
     world.mode[:] = 0
     for i in range(len(world.dirty)):
         world.launch(i)

@@ -10,10 +10,13 @@ import numpy as np
 
 from mechanics.scene import Scene
 from mechanics.trajectory import State
+from reference_impl.audit import knows_work
 from reference_impl.collide.detect import Detector, Search, rotations
 from reference_impl.contact_problem import SOLVERS
 from reference_impl.effects.impact import LAWS
+from reference_impl.effects.phases import HYPOTHESES
 from reference_impl.errors import Stalled, Unsupported
+from reference_impl.friction_problem import MODELS
 from reference_impl.integrators import carry, driven_flight, driven_momentum, free_flight
 from reference_impl.kernels import spin
 from reference_impl.parts import Parts
@@ -34,6 +37,14 @@ class Settings:
     ----------
     impact_law : str
         One of `effects.impact.LAWS`.
+    restitution : str
+        What the coefficient of restitution means where friction acts: "newton" (of normal velocities), "poisson" (of
+        normal impulses) or "energetic" (of the work of the normal impulse, squared; Stronge).  Without friction they
+        are the same.  The last two follow one contact at a time through its impact; see `effects.impact.in_turn`.
+    friction : str
+        Model of the cone of friction, one of `friction_problem.MODELS`.
+    sides : int
+        Of the polygon in place of the circle where friction is "pyramid".
     time_of_contact : str
         "advancement" (conservative, second order) or "bisection".
     solver : str
@@ -50,6 +61,9 @@ class Settings:
     """
 
     impact_law: str = "propagation"
+    restitution: str = "newton"
+    friction: str = "exact"
+    sides: int = 4
     time_of_contact: str = "advancement"
     solver: str = "auto"
     tolerance: float = 1e-12
@@ -58,6 +72,8 @@ class Settings:
     def __post_init__(self) -> None:
         choices = (
             ("impact_law", tuple(LAWS)),
+            ("restitution", ("newton", *HYPOTHESES)),
+            ("friction", MODELS),
             ("time_of_contact", ("advancement", "bisection")),
             ("solver", tuple(SOLVERS)),
         )
@@ -66,6 +82,10 @@ class Settings:
                 raise ValueError(f"{name} = {getattr(self, name)!r}; allowed: {', '.join(allowed)}")
         if not 1e-13 <= self.tolerance <= 1e-2:
             raise ValueError(f"tolerance = {self.tolerance!r}; allowed: a number from 1e-13 to 1e-2")
+        if self.sides < 4 or self.sides % 2:
+            raise ValueError(f"sides = {self.sides!r}; allowed: an even number from 4 on")
+        if self.restitution != "newton" and self.friction != "exact":
+            raise ValueError(f"friction = {self.friction!r}; allowed: exact where restitution is {self.restitution!r}")
         if self.events < 1:
             raise ValueError(f"events = {self.events!r}; allowed: a whole number > 0")
 
@@ -100,6 +120,14 @@ class Held(NamedTuple):
     friction: tuple[float, float, float] = (0.0, 0.0, 0.0)  # on a along the surface [N]
 
 
+class Incident(NamedTuple):
+    """Something out of the ordinary, of which the result tells."""
+
+    time: float  # [s]
+    what: str  # "painleve" or "chatter"
+    bodies: tuple[str, ...]
+
+
 @dataclass
 class Audit:
     """What the engine knows of its own soundness; every number is a worst case or a count."""
@@ -110,11 +138,25 @@ class Audit:
     steps: int = 0  # integration steps in lasting contact
     rejected: int = 0  # steps that were repeated shorter
     residual: float = 0.0  # certificate of the contact problems, relative
+    friction_residual: float = 0.0  # of those with friction, at impacts
     gap: float = 0.0  # deepest overlap found at an event [m], <= 0
     energy_rise: float = 0.0  # of an impact or a return to rest [J]; only where no fixed body moves
+    step_rise: float = (
+        0.0  # of kinetic energy and that of the loads between two of these [J]; where their work is known
+    )
+    imbalance: float = 0.0  # momentum and angular momentum that an impact made or lost, relative to all there is
     rests: int = 0  # bodies brought to proven rest
     painleve: int = 0  # times that no contact forces existed and an impulse took their place
+    chatter: int = 0  # times that bodies whose contacts came and went too often were stopped
     last_bounce: float = math.nan  # when the last accumulating bounce came to its end [s]
+
+    def certified(self, residual: float) -> None:
+        """Note the certificate of a contact problem."""
+        self.residual = max(self.residual, residual)
+
+    def certified_friction(self, residual: float) -> None:
+        """Note the certificate of a contact problem with friction."""
+        self.friction_residual = max(self.friction_residual, residual)
 
 
 @dataclass
@@ -135,7 +177,14 @@ class World:
     clear: np.ndarray = field(init=False)  # (pairs,) until when each pair cannot touch [s]
     hits: np.ndarray = field(init=False)  # (pairs,) whether it does then
     moving: bool = field(init=False)  # whether some fixed body moves
+    knows_work: bool = field(init=False)  # see `audit.knows_work`
+    energy: np.ndarray = field(
+        init=False
+    )  # (n,) of each body when its contacts were last looked at [J]; NaN: not known
     rested: np.ndarray = field(init=False)  # bodies that came to proven rest at some time
+    changes: np.ndarray = field(init=False)  # how often each body has passed from flight to contact or back
+    since: np.ndarray = field(init=False)  # since then [s]
+    settled: np.ndarray = field(init=False)  # when the contacts of each body were last looked at [s]
     mu: np.ndarray = field(init=False)  # (pairs,) coefficients of friction
     courses: list[Course] = field(default_factory=list)  # of the islands in lasting contact
     lasts: np.ndarray = field(init=False)  # (pairs,) whether a contact of the pair is part of a course
@@ -143,6 +192,7 @@ class World:
     forces: list[Held] = field(default_factory=list)
     pushing: set[tuple[int, int, int, int]] = field(default_factory=set)
     events: list[Collided] = field(default_factory=list)
+    incidents: list[Incident] = field(default_factory=list)
     audit: Audit = field(default_factory=Audit)
 
     def __post_init__(self) -> None:
@@ -153,12 +203,21 @@ class World:
         self.hits = np.zeros(len(self.detector.pairs), dtype=bool)
         self.moving = any(b.fixed and (any(b.velocity) or any(b.acceleration)) for b in self.scene.bodies)
         self.rested = np.zeros(n, dtype=bool)
+        self.knows_work = knows_work(self.scene)
+        self.energy = np.full(n, math.nan)
+        self.changes = np.zeros(n, dtype=np.int64)
+        self.since = np.zeros(n)
+        self.settled = np.full(n, -math.inf)
         self._refuse()
         self.pace = np.full(n, 1e-2 * self.scales.time)
         self.lasts = np.zeros(len(self.detector.pairs), dtype=bool)
         self.mu = np.zeros(len(self.detector.pairs))
         if self.parts.law.friction is not None:
             self.mu[:] = [self.parts.law.friction.of(*self.names(a, b)) for a, b in self.detector.pairs.tolist()]
+
+    def report(self, what: str, *bodies: int) -> None:
+        """Put something out of the ordinary on record."""
+        self.incidents.append(Incident(self.t, what, self.names(*bodies)))
 
     def _refuse(self) -> None:
         """Raise `Unsupported` for a law that does not know what the scene calls for."""

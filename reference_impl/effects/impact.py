@@ -50,6 +50,7 @@ class Collision(NamedTuple):
     drift: np.ndarray  # (m,) what fixed bodies that move add to u [m/s]
     e: Callable[[np.ndarray], np.ndarray]  # u (m,) -> coefficient of restitution of each contact (m,)
     floor: float  # slower approach counts as none [m/s]
+    certified: Callable[[float], None] = lambda residual: None  # is told the certificate of every contact problem
 
     def speeds(self, impulses: np.ndarray) -> np.ndarray:
         """Normal relative velocities u after `impulses` [m/s]."""
@@ -74,9 +75,11 @@ class Collision(NamedTuple):
         every = np.ones(len(u), dtype=bool)  # the guess that all push: of the splits that are possible, the most even
         if np.all(factor == factor[0]):  # then u⁺ + e u⁻ = G (y⁺ + e y⁻) + (1 + e) drift
             motion = factor[0] * (self.motion + self.rows.T @ impulses)
-            out[chosen] = solve(rows, motion, -factor[0] * self.drift[chosen], guess=every).f
+            answer = solve(rows, motion, -factor[0] * self.drift[chosen], guess=every)
         else:
-            out[chosen] = solve(rows, np.zeros(rows.shape[1]), -factor * u, guess=every).f
+            answer = solve(rows, np.zeros(rows.shape[1]), -factor * u, guess=every)
+        out[chosen] = answer.f
+        self.certified(answer.residual)
         return out
 
 
@@ -195,6 +198,28 @@ def reflections(collision: Meeting) -> Outcome:
         return Outcome(inelastic, 1)
     elastic = propagation(collision._replace(e=lambda u: np.ones(len(u))))
     return Outcome(e * elastic.impulses + (1.0 - e) * inelastic, elastic.passes + 1)
+
+
+def in_turn(collision: RoughCollision) -> Outcome:
+    """One rough contact at a time, the fastest approach first, each through compression and expansion (`phases`).
+
+    These are differential laws of a single contact, whatever law says how several share an impact: where several
+    approach, they have their turn as in `sequential`.  Once none of those that approach has any restitution, all stop
+    at once; one contact on its own is followed through its compression even then.
+    """
+    m = len(collision.drift)
+    impulses = collision.nothing()
+    most = 200 * m + 2000
+    for passes in range(most):
+        u = collision.speeds(impulses)
+        first = int(np.argmax(u <= float(u.min()) * (1.0 - 1e-9)))
+        if u[first] >= -collision.floor:
+            return Outcome(impulses, passes)
+        e = collision.e(u)
+        if m > 1 and not e[u < -collision.floor].any():
+            return Outcome(impulses + stop(collision, impulses), passes + 1)
+        impulses[first] += collision.strike(impulses, first, float(e[first]))
+    return Outcome(impulses + stop(collision, impulses), most + 1)
 
 
 LAWS: dict[str, Callable[[Meeting], Outcome]] = {

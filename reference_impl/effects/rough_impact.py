@@ -5,6 +5,7 @@ impulse is at most µ times the normal one, stops the slip if it can, and else o
 (Moreau, 1988).  All contacts that take part at once are one `friction_problem`; which do is up to the law.
 
 With friction Newton's law may create energy where the impact is eccentric and e > 0; the audit tells how much.
+The hypotheses of Poisson and Stronge follow a single contact through its impact instead (`phases`).
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from reference_impl.contact_problem import NoSolution
+from reference_impl.effects.phases import HYPOTHESES, strike
 from reference_impl.friction_problem import Rough, solve
 
 
@@ -28,7 +31,11 @@ class RoughCollision(NamedTuple):
     drift: np.ndarray  # (m, 3) what fixed bodies that move add to the relative velocity [m/s]
     e: Callable[[np.ndarray], np.ndarray]  # u (m,) -> coefficient of restitution of each contact (m,)
     floor: float  # slower approach counts as none [m/s]
+    certified: Callable[[float], None]  # is told the certificate of every contact problem
     mu: np.ndarray  # (m,) coefficients of friction
+    model: str = "exact"  # of friction, one of `friction_problem.MODELS`
+    sides: int = 4  # of the polygon where that is "pyramid"
+    restitution: str = "newton"  # or one of `phases.HYPOTHESES`
 
     def nothing(self) -> np.ndarray:
         """No impulses."""
@@ -52,5 +59,21 @@ class RoughCollision(NamedTuple):
         problem = Rough(
             rows.reshape(3 * count, -1), motion, least.ravel(), self.mu[chosen], np.zeros(count, dtype=np.bool_)
         )
-        out[chosen] = solve(problem).r
+        answer = solve(problem, self.model, self.sides)
+        out[chosen] = answer.r
+        self.certified(answer.residual)
         return out
+
+    def strike(self, impulses: np.ndarray, which: int, e: float) -> np.ndarray:
+        """Impulse (3,) added at the contact `which`, followed through its compression and expansion.
+
+        Raises
+        ------
+        NoSolution
+            If the budget of steps ran out.
+        """
+        rows = self.rows[which]
+        u, impulse = rows @ self.after(impulses) + self.drift[which], np.empty(3)
+        if not strike(rows @ rows.T, u, float(self.mu[which]), e, HYPOTHESES[self.restitution], impulse):
+            raise NoSolution(f"an impact with friction {self.mu[which]:.6g} does not end")
+        return impulse

@@ -11,7 +11,7 @@ from mechanics.effects import Friction, Gravity, Resting, Restitution, Rotation
 from mechanics.rotation import about
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
-from reference_impl.settle import kinetic_energy
+from reference_impl.audit import kinetic_energy
 from reference_impl.simulate import advance, begin, simulate
 from reference_impl.world import STILL, World
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from mechanics.effects import Friction, Resting, Restitution, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
-from reference_impl.settle import kinetic_energy
+from reference_impl.audit import kinetic_energy
 from reference_impl.simulate import advance, begin
 from reference_impl.world import Settings
 

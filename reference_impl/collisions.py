@@ -1,0 +1,112 @@
+"""Impulses at the contacts of a world that approach, and when bounces that accumulate are over.
+
+A contact whose restitution is e < 1 and whose gap closes with the constant acceleration a bounces infinitely often:
+struck at the speed u, it comes to rest after 2 e u / (a (1 - e)).  Once that time is a small share of the scene's
+own time scale, the contact is struck without restitution and lasts from then on.  It is the contact that passes to
+rest, not the body: a box does this at one corner while the rest of it still moves.  For a sphere on its own the share
+is so small that nothing of the motion is lost beyond rounding, and the time of rest is known exactly.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from reference_impl.audit import chatters, imbalance
+from reference_impl.contact_problem import NoSolution
+from reference_impl.effects.impact import LAWS, Collision, in_turn
+from reference_impl.effects.resting import Island, Problem
+from reference_impl.errors import MissingEffect, Stalled
+from reference_impl.kernels import cross
+from reference_impl.rough import exchange_friction, rough_collision
+from reference_impl.world import Collided, World
+
+ACCUMULATION = 1e-3  # bounces of a body that would all happen within this time are skipped [time scale]
+ACCUMULATION_ALONE = 1e-7  # the same for a sphere with one contact, whose bounces are cheap
+
+
+def alone(g: np.ndarray) -> bool:
+    """Whether one contact of a body that it cannot turn is all there is: a sphere on its own."""
+    return len(g) == 1 and not g[:, 3:6].any()
+
+
+def collide(world: World, island: Island, problem: Problem) -> None:
+    """Exchange impulses at the contacts that approach.
+
+    Raises
+    ------
+    MissingEffect
+        If bodies collide in a scene without Restitution.
+    Stalled
+        If no solver finds the impulses.
+    """
+    _require_restitution(world, island, problem)
+    e, mu = _restitution(world, island, problem), world.mu[island.contacts.pairs]
+    v, momentum = world.motion.v.copy(), world.motion.L.copy()
+    law = LAWS[world.settings.impact_law]
+    try:
+        if mu.any():
+            collision, tangents = rough_collision(world, island, problem, mu, e)
+            outcome = (law if world.settings.restitution == "newton" else in_turn)(collision)
+            impulses, along = outcome.impulses[:, 0], np.einsum("ij,ijk->ik", outcome.impulses[:, 1:], tangents)
+        else:
+            drift = problem.k.rate - problem.g @ problem.motion if world.moving else np.zeros(len(mu))
+            outcome = law(Collision(problem.g, problem.motion, drift, e, world.search.speed, world.audit.certified))
+            impulses, along = outcome.impulses, np.zeros((len(mu), 3))
+    except NoSolution as error:
+        raise Stalled(f"impact: {error}", world.t) from None
+    _exchange(world, island, problem, impulses)
+    exchange_friction(world, island, problem, along)
+    whole = impulses[:, None] * problem.k.normal + along
+    audit = world.audit
+    audit.passes = max(audit.passes, outcome.passes)
+    audit.imbalance = max(
+        audit.imbalance,
+        imbalance(world, island.bodies, island.contacts.kinds, problem.k.point, whole, v, momentum),
+    )
+
+
+def _require_restitution(world: World, island: Island, problem: Problem) -> None:
+    worst = int(np.argmin(problem.k.rate))
+    speed = -float(problem.k.rate[worst])
+    if world.parts.law.restitution is None and speed > world.search.parting:
+        a, b = island.contacts.kinds[worst, :2].tolist()
+        raise MissingEffect("Restitution", world.names(a, b), world.t, f"bodies collide at {speed:.6g} m/s")
+
+
+def _restitution(world: World, island: Island, problem: Problem) -> Callable[[np.ndarray], np.ndarray]:
+    """Coefficient of restitution of each contact when struck at normal velocities u (m,)."""
+    law, kinds = world.parts.law, island.contacts.kinds
+    e = np.zeros(len(kinds))
+    if law.restitution is not None and not chatters(world, island.bodies):
+        e[:] = [law.restitution.of(*world.names(a, b)) for a, b in kinds[:, :2].tolist()]
+    closing, by_itself = problem.closing(), alone(problem.g)
+    limit = (ACCUMULATION_ALONE if by_itself else ACCUMULATION) * world.scales.time
+
+    def of(u: np.ndarray) -> np.ndarray:
+        left = np.full(len(u), math.inf)
+        ends = (u < 0.0) & (closing > 0.0) & (e < 1.0)
+        left[ends] = 2.0 * e[ends] * -u[ends] / (closing[ends] * (1.0 - e[ends]))
+        if by_itself and left[0] < limit and e[0] > 0.0:
+            world.audit.last_bounce = world.t + float(left[0])
+        return np.where(left < limit, 0.0, e)
+
+    return of
+
+
+def _exchange(world: World, island: Island, problem: Problem, impulses: np.ndarray) -> None:
+    """Add impulses along the normals to the motion, and put them on record."""
+    b, m, k = world.bodies, world.motion, problem.k
+    for row, p in enumerate(impulses.tolist()):
+        if p == 0.0:
+            continue
+        ends = island.contacts.kinds[row, :2].tolist()
+        n, point = k.normal[row], k.point[row]
+        for sign, i in zip((p, -p), ends, strict=True):
+            m.v[i] += sign * b.inverse_mass[i] * n
+            if b.quickness[i] > 0.0 and b.radius[i] == 0.0:  # at a sphere the normal passes through the centre
+                m.L[i] += sign * cross(point - m.x[i], n)
+        world.events.append(Collided(world.t, ends[0], ends[1], tuple(point.tolist()), tuple(n.tolist()), p))
+        world.audit.impacts += 1
