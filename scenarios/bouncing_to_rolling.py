@@ -14,7 +14,7 @@ from mechanics.trajectory import Trajectory
 from scenarios.bouncing_ball import bounce, delay, impact_times
 from scenarios.bouncing_to_rest import rest_time
 from scenarios.motion import Motion, trajectory, vectors
-from scenarios.scenario import Check, Scenario, scenario
+from scenarios.scenario import Check, Scenario, Truth, scenario
 from scenarios.tolerance import GRAVITY, STEP, first_order
 
 RADIUS, MASS, RATIO = 0.1, 1.0, 0.4  # [m], [kg], moment of inertia over m R²: a solid ball
@@ -31,6 +31,23 @@ def speeds_after(mu: float, impacts: int) -> np.ndarray:
     fall = math.sqrt(2.0 * GRAVITY * CLEARANCE)
     taken = mu * (1.0 + E) * fall * np.cumsum(E ** np.arange(impacts))
     return np.append(SPEED, np.maximum(SPEED - taken, rolling_speed(SPEED)))
+
+
+def along_the_floor(scene: Scene, times: np.ndarray, speeds: np.ndarray) -> Truth:
+    """Bouncing at `times` [s] with the `speeds` [m/s] along the floor before the first of them, and after each."""
+    knots = np.append(0.0, times)
+    places = np.append(0.0, np.cumsum(speeds[:-1] * np.diff(knots)))
+
+    def truth(t: np.ndarray) -> Trajectory:
+        gap, rise = bounce(t, CLEARANCE, E)
+        n = np.searchsorted(times, t, side="right")
+        path, pace = places[n] + speeds[n] * (t - knots[n]), speeds[n]
+        x, v = vectors(t, x=path, z=RADIUS + gap), vectors(t, x=pace, z=rise)
+        turn = (SPEED * t - path) / (RATIO * RADIUS)  # spin grows as speed falls: k R ω = v₀ - v
+        w = vectors(t, y=(SPEED - pace) / (RATIO * RADIUS))
+        return trajectory(scene, t, {"ball": Motion(x, v, exponential(vectors(t, y=turn)), w)})
+
+    return truth
 
 
 @scenario(
@@ -52,24 +69,12 @@ def bouncing_to_rolling(mu: float = 0.2) -> Scenario:
     end = rest_time(CLEARANCE, E)
     times = impact_times(CLEARANCE, E, end)
     speeds = speeds_after(mu, len(times))
-    knots = np.append(0.0, times)
-    places = np.append(0.0, np.cumsum(speeds[:-1] * np.diff(knots)))
-
-    def truth(t: np.ndarray) -> Trajectory:
-        gap, rise = bounce(t, CLEARANCE, E)
-        n = np.searchsorted(times, t, side="right")
-        path, pace = places[n] + speeds[n] * (t - knots[n]), speeds[n]
-        x, v = vectors(t, x=path, z=RADIUS + gap), vectors(t, x=pace, z=rise)
-        turn = (SPEED * t - path) / (RATIO * RADIUS)  # spin grows as speed falls: k R ω = v₀ - v
-        w = vectors(t, y=(SPEED - pace) / (RATIO * RADIUS))
-        return trajectory(scene, t, {"ball": Motion(x, v, exponential(vectors(t, y=turn)), w)})
-
     duration = round(end + 0.5, 2)
     return Scenario(
         scene=scene,
         duration=duration,
         sampling=0.01,
-        truth=truth,
+        truth=along_the_floor(scene, times, speeds),
         checks=_checks(mu, speeds, duration),
         source="v = (v₀ + k R ω₀)/(1 + k); Garwin, Am. J. Phys. 37 (1969) 88",
         about=(Gravity, Restitution, Friction, Resting, Rotation),

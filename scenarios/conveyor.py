@@ -44,8 +44,7 @@ def conveyor(belt: float = 2.0, mu: float = 0.3) -> Scenario:
         x = vectors(t, x=0.5 * drag * s**2 + belt * rest, z=height)
         return trajectory(scene, t, {"box": Motion(x, vectors(t, x=drag * s))})
 
-    brake = mu * GRAVITY * STEP
-    duration = round(grips + 0.5, 2)
+    brake, duration = mu * GRAVITY * STEP, round(grips + 0.5, 2)
     return Scenario(
         scene=scene,
         duration=duration,

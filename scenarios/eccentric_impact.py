@@ -13,7 +13,7 @@ from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
 from mechanics.trajectory import Trajectory
 from scenarios.motion import Motion, trajectory, vectors
-from scenarios.scenario import Check, Scenario, scenario
+from scenarios.scenario import Check, Scenario, Truth, scenario
 from scenarios.tolerance import STEP, first_order
 
 MASS, SIZE = 2.0, (0.96, 0.96, 0.28)  # [kg], [m]; half a diagonal is 0.5 m: the arm of a rod of 1 m
@@ -48,6 +48,21 @@ def corner_blow(e: float, moment: float, grips: bool) -> Blow:
     return Blow(float(push), float(rub), after, float(SPIN + (c * rub - a * push) / moment))
 
 
+def struck(scene: Scene, blow: Blow, turned: float) -> Truth:
+    """Uniform motion before and after the blow, at which the body is `turned` [rad] about y."""
+
+    def truth(t: np.ndarray) -> Trajectory:
+        since, hit = t - MEETING, t >= MEETING
+        v = vectors(t, *(np.where(hit, b, a) for a, b in ((VELOCITY[0], blow.velocity[0]), (0.0, 0.0))))
+        v[:, 2] = np.where(hit, blow.velocity[1], VELOCITY[1])
+        spin = np.where(hit, blow.spin, SPIN)
+        x = np.array([0.0, 0.0, -ARM[1]]) + v * since[:, None]
+        q = exponential(vectors(t, y=turned + spin * since))
+        return trajectory(scene, t, {"plank": Motion(x, v, q, vectors(t, y=spin))})
+
+    return truth
+
+
 @scenario(
     tags=("impact", "rotation", "box"),
     suites=(),
@@ -71,20 +86,11 @@ def eccentric_impact(e: float = 0.6, gyration: float = 1.0 / 12.0, mu: float = 0
     rough = (Friction(mu),) if mu else ()
     scene = Scene((Body("floor", HalfSpace()), plank), (Restitution(e), *rough, Rotation()))
 
-    def truth(t: np.ndarray) -> Trajectory:
-        since, hit = t - MEETING, t >= MEETING
-        v = vectors(t, *(np.where(hit, b, a) for a, b in ((VELOCITY[0], blow.velocity[0]), (0.0, 0.0))))
-        v[:, 2] = np.where(hit, blow.velocity[1], VELOCITY[1])
-        spin = np.where(hit, blow.spin, SPIN)
-        x = np.array([0.0, 0.0, -ARM[1]]) + v * since[:, None]
-        q = exponential(vectors(t, y=turned + spin * since))
-        return trajectory(scene, t, {"plank": Motion(x, v, q, vectors(t, y=spin))})
-
     return Scenario(
         scene=scene,
         duration=0.14,
         sampling=2e-3,
-        truth=truth,
+        truth=struck(scene, blow, turned),
         checks=_checks(blow),
         source="Baraff, SIGGRAPH course notes (1997), §8; Routh, Rigid Dynamics, Elementary Part, ch. IV",
         about=(Restitution, Rotation, *((Friction,) if mu else ())),

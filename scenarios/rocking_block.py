@@ -13,7 +13,7 @@ from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
 from mechanics.trajectory import Trajectory
 from scenarios.motion import Motion, trajectory, vectors
-from scenarios.scenario import Check, Scenario, scenario
+from scenarios.scenario import Check, Scenario, Truth, scenario
 from scenarios.swing import fall, fall_speed, fall_time
 from scenarios.tolerance import GRAVITY, STEP, first_order
 
@@ -43,6 +43,25 @@ def halves(tilt: float, count: int) -> list[Rocking]:
     return found
 
 
+def rocking(scene: Scene, cycle: list[Rocking]) -> Truth:
+    """Fall and rise about one edge after the other."""
+
+    impacts = [half.impact for half in cycle[:-1]]
+
+    def truth(t: np.ndarray) -> Trajectory:
+        n = np.searchsorted(impacts, t, side="right")
+        side = np.where(n % 2, -1.0, 1.0)
+        pieces = [fall(t - half.rest, RATE, LEAN - half.tilt) for half in cycle]
+        angle, rate = (np.choose(n, [piece[k] for piece in pieces]) for k in (0, 1))
+        x = side * (0.5 * WIDTH - REACH * np.sin(angle))
+        v = vectors(t, x=-side * REACH * rate * np.cos(angle), z=-REACH * rate * np.sin(angle))
+        q = exponential(vectors(t, y=side * (LEAN - angle)))
+        motion = Motion(vectors(t, x=x, z=REACH * np.cos(angle)), v, q, vectors(t, y=-side * rate))
+        return trajectory(scene, t, {"block": motion})
+
+    return truth
+
+
 @scenario(
     tags=("impact", "resting", "friction", "box"),
     suites=(),
@@ -64,22 +83,11 @@ def rocking_block(tilt: float = 0.1) -> Scenario:
     cycle = halves(tilt, 4)
     impacts = [half.impact for half in cycle[:-1]]
 
-    def truth(t: np.ndarray) -> Trajectory:
-        n = np.searchsorted(impacts, t, side="right")
-        side = np.where(n % 2, -1.0, 1.0)
-        pieces = [fall(t - half.rest, RATE, LEAN - half.tilt) for half in cycle]
-        angle, rate = (np.choose(n, [piece[k] for piece in pieces]) for k in (0, 1))
-        x = side * (0.5 * WIDTH - REACH * np.sin(angle))
-        v = vectors(t, x=-side * REACH * rate * np.cos(angle), z=-REACH * rate * np.sin(angle))
-        q = exponential(vectors(t, y=side * (LEAN - angle)))
-        motion = Motion(vectors(t, x=x, z=REACH * np.cos(angle)), v, q, vectors(t, y=-side * rate))
-        return trajectory(scene, t, {"block": motion})
-
     return Scenario(
         scene=scene,
         duration=round(cycle[-1].rest, 2),
         sampling=0.01,
-        truth=truth,
+        truth=rocking(scene, cycle),
         checks=_checks(fall_speed(RATE, LEAN - tilt, LEAN), len(impacts)),
         source="Housner, Bull. Seismol. Soc. Am. 53 (1963) 403",
         about=(Gravity, Restitution, Friction, Resting, Rotation),

@@ -16,6 +16,7 @@ from scenarios.scenario import Check, Scenario, scenario
 from scenarios.tolerance import GRAVITY, STEP, first_order
 
 RADIUS, MASS, DURATION = 0.1, 1.0, 1.0  # [m], [kg], [s]
+RATIOS = {"ball": 2.0 / 5.0, "cylinder": 1.0 / 2.0, "shell": 2.0 / 3.0, "hoop": 1.0}  # moment of inertia over m R²
 
 
 def accelerations(slope: float, mu: float, ratio: float) -> tuple[float, float]:
@@ -37,16 +38,16 @@ def needed_friction(slope: float, ratio: float) -> float:
 @scenario(
     tags=("friction", "rotation", "rolling"),
     suites=(),
-    variants=({}, {"ratio": 2.0 / 3.0}, {"mu": 0.1}),
-    ranges={"mu": (0.0, 10.0), "slope": (0.0, 80.0), "ratio": (0.1, 1.0)},
+    variants=({}, {"body": "shell"}, {"mu": 0.1}),
+    ranges={"mu": (0.0, 10.0), "slope": (0.0, 80.0), "body": tuple(RATIOS)},
 )
-def rolling_down(mu: float = 0.5, slope: float = 30.0, ratio: float = 0.4) -> Scenario:
+def rolling_down(mu: float = 0.5, slope: float = 30.0, body: str = "ball") -> Scenario:
     """A ball, solid or hollow, rolls down a slope of 30 degrees; with little friction it slips as well.
 
     Rolling it accelerates by g sin α/(1 + k), with k = 2/5 for a solid ball and 2/3 for a shell, whatever
-    its size and mass: part of the energy goes into spin.  The ratio k is given, not taken from the shape.
+    its size and mass: part of the energy goes into spin.  The moment is given, not taken from the shape.
     """
-    angle = math.radians(slope)
+    angle, ratio = math.radians(slope), RATIOS[body]
     normal, down = np.array([math.sin(angle), 0.0, math.cos(angle)]), np.array([math.cos(angle), 0.0, -math.sin(angle)])
     start, moment = RADIUS * normal, ratio * MASS * RADIUS**2
     ball = Body("ball", Sphere(RADIUS), MASS, tuple(start.tolist()), inertia=(moment, moment, moment))

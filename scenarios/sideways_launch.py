@@ -13,10 +13,13 @@ from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
 from mechanics.trajectory import Trajectory
 from scenarios.motion import Motion, trajectory
-from scenarios.scenario import Scenario, scenario
+from scenarios.scenario import Scenario, Truth, scenario
 from scenarios.tolerance import GRAVITY, STEP, first_order
 
 SIZE, SLOPE, DURATION = (0.4, 0.4, 0.1), math.radians(20.0), 2.0  # [m], [rad], [s]
+
+NORMAL, ACROSS = np.array([math.sin(SLOPE), 0.0, math.cos(SLOPE)]), np.array([0.0, 1.0, 0.0])
+DOWN = np.array([math.cos(SLOPE), 0.0, -math.sin(SLOPE)])
 
 
 class Path(NamedTuple):
@@ -57,6 +60,20 @@ def heading(t: np.ndarray, speed: float, ratio: float) -> np.ndarray:
     return np.exp(log)
 
 
+def curved(scene: Scene, speed: float, ratio: float) -> Truth:
+    """Sliding from across the slope to down it."""
+    start = np.array(scene.body("block").position)
+
+    def truth(t: np.ndarray) -> Trajectory:
+        tau = heading(t, speed, ratio)
+        path, angle = along_the_path(tau, speed, ratio), 2.0 * np.arctan(tau)[:, None]
+        x = start + path.down[:, None] * DOWN + path.across[:, None] * ACROSS
+        v = path.speed[:, None] * (np.cos(angle) * DOWN + np.sin(angle) * ACROSS)
+        return trajectory(scene, t, {"block": Motion(x, v)})
+
+    return truth
+
+
 @scenario(
     tags=("friction", "resting", "box"),
     suites=(),
@@ -70,28 +87,18 @@ def sideways_launch(ratio: float = 1.0, speed: float = 2.0) -> Scenario:
     its course; with µ = tan α it ends up sliding straight down at half its first speed.  A friction
     pyramid in place of the cone bends the path wrongly.  The block is not allowed to turn.
     """
-    normal, down = (
-        np.array([f(SLOPE), 0.0, g]) for f, g in ((math.sin, math.cos(SLOPE)), (math.cos, -math.sin(SLOPE)))
-    )
-    start, side = 0.5 * SIZE[2] * normal, np.array([0.0, 1.0, 0.0])
-    turned = tuple(about((0.0, 1.0, 0.0), SLOPE).tolist())
+    start = 0.5 * SIZE[2] * NORMAL
+    turned = tuple(about(tuple(ACROSS.tolist()), SLOPE).tolist())
     block = Body("block", Box(SIZE), 2.0, tuple(start.tolist()), turned, velocity=(0.0, speed, 0.0))
-    plane = Body("plane", HalfSpace(tuple(normal.tolist())))
+    plane = Body("plane", HalfSpace(tuple(NORMAL.tolist())))
     scene = Scene((plane, block), (Gravity(), Friction(ratio * math.tan(SLOPE)), Resting()))
-
-    def truth(t: np.ndarray) -> Trajectory:
-        tau = heading(t, speed, ratio)
-        path, angle = along_the_path(tau, speed, ratio), 2.0 * np.arctan(tau)[:, None]
-        x = start + path.down[:, None] * down + path.across[:, None] * side
-        v = path.speed[:, None] * (np.cos(angle) * down + np.sin(angle) * side)
-        return trajectory(scene, t, {"block": Motion(x, v)})
 
     change = (1.0 + ratio * math.sin(SLOPE)) * GRAVITY * STEP
     return Scenario(
         scene=scene,
         duration=DURATION,
         sampling=0.01,
-        truth=truth,
+        truth=curved(scene, speed, ratio),
         checks=(
             first_order("position error", change * DURATION / 2.0, "m", "(g + µ g cos α) t h/2"),
             first_order(

@@ -12,7 +12,7 @@ from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
 from mechanics.trajectory import Trajectory
 from scenarios.motion import Motion, trajectory
-from scenarios.scenario import Check, Scenario, scenario
+from scenarios.scenario import Check, Scenario, Truth, scenario
 from scenarios.tolerance import GRAVITY, STEP, first_order
 
 SLAB, THICK, BALL, RADIUS = 10.0, 0.5, 1.0, 0.25  # [kg], [m], [kg], [m]; binary fractions: they touch bit by bit
@@ -23,6 +23,23 @@ def accelerations(force: float, count: int) -> tuple[float, float]:
     """Of the slab and of the balls [m/s2] under `force` [N]: a solid ball that rolls takes 2/7 of what is below it."""
     balls = (force - FLOOR * (SLAB + count * BALL) * GRAVITY) / (3.5 * SLAB + count * BALL)
     return 3.5 * balls, balls
+
+
+def rolling(scene: Scene, along: np.ndarray, fast: float, slow: float) -> Truth:
+    """The slab accelerates `along` by `fast`, the balls by `slow` [m/s2], which makes them turn backwards."""
+    axis = np.array([-along[1], along[0], 0.0]) * (slow - fast) / RADIUS  # of their angular acceleration
+
+    def truth(t: np.ndarray) -> Trajectory:
+        s, motions = t[:, None], {}
+        turned, spin = exponential(0.5 * s**2 * axis), s * axis
+        for body in (scene.bodies[i] for i in scene.moving):
+            slides = isinstance(body.shape, Box)
+            a = (fast if slides else slow) * along
+            x = np.array(body.position) + 0.5 * a * s**2
+            motions[body.name] = Motion(x, a * s) if slides else Motion(x, a * s, turned, spin)
+        return trajectory(scene, t, motions)
+
+    return truth
 
 
 @scenario(
@@ -46,25 +63,15 @@ def slab_with_balls(heading: float = 0.0, side: int = 3, mu: float = 0.8) -> Sce
     ]
     balls = [Body(f"ball-{k + 1}", Sphere(RADIUS), BALL, (x, y, THICK + RADIUS)) for k, (x, y) in enumerate(places)]
     pull = Force("slab", tuple((force * along).tolist()), point=(0.0, 0.0, -0.5 * THICK))
-    rough = Friction(mu, {("floor", "slab"): FLOOR})
+    rough = Friction(mu, {("floor", body.name): FLOOR for body in (slab, *balls)})
     scene = Scene((Body("floor", HalfSpace()), slab, *balls), (Gravity(), rough, Resting(), Rotation(), pull))
     fast, slow = accelerations(force, count)
-    axis = np.array([-along[1], along[0], 0.0]) * (slow - fast) / RADIUS  # of the balls' angular acceleration
-
-    def truth(t: np.ndarray) -> Trajectory:
-        s, motions = t[:, None], {}
-        turned, spin = exponential(0.5 * s**2 * axis), s * axis
-        for body in (slab, *balls):
-            a = (fast if body is slab else slow) * along
-            x = np.array(body.position) + 0.5 * a * s**2
-            motions[body.name] = Motion(x, a * s) if body is slab else Motion(x, a * s, turned, spin)
-        return trajectory(scene, t, motions)
 
     return Scenario(
         scene=scene,
         duration=DURATION,
         sampling=0.02,
-        truth=truth,
+        truth=rolling(scene, along, fast, slow),
         checks=_checks(force / SLAB, fast),
         source="Kang and Hwangbo, SimBenchmark (2018), test 'rolling'; a = 2/7 of the board's for a solid ball",
         about=(Gravity, Friction, Resting, Rotation, Force),

@@ -12,7 +12,7 @@ from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, Sphere
 from mechanics.trajectory import Trajectory
 from scenarios.motion import Motion, trajectory, vectors
-from scenarios.scenario import Scenario, scenario
+from scenarios.scenario import Scenario, Truth, scenario
 from scenarios.tolerance import STEP, converged, first_order, rounding
 
 LENGTH, THICK, ROD, BALL, RADIUS = 1.2, 0.1, 3.0, 0.5, 0.1  # [m], [m], [kg], [kg], [m]
@@ -35,6 +35,22 @@ def struck(e: float, offset: float) -> Struck:
     return Struck(impulse, impulse / ROD, offset * impulse / MOMENT, SPEED - impulse / BALL)
 
 
+def after_the_blow(scene: Scene, after: Struck) -> Truth:
+    """Uniform motion before and after the blow."""
+    start, _, offset = scene.body("ball").position
+
+    def truth(t: np.ndarray) -> Trajectory:
+        before, since, hit = np.minimum(t, MEETING), np.maximum(t - MEETING, 0.0), t >= MEETING
+        x = vectors(t, x=after.rod * since), vectors(t, x=start + SPEED * before + after.ball * since, z=offset)
+        v = (np.where(hit, after.rod, 0.0), np.where(hit, after.ball, SPEED))
+        q, w = exponential(vectors(t, y=after.spin * since)), vectors(t, y=np.where(hit, after.spin, 0.0))
+        return trajectory(
+            scene, t, {"rod": Motion(x[0], vectors(t, x=v[0]), q, w), "ball": Motion(x[1], vectors(t, x=v[1]))}
+        )
+
+    return truth
+
+
 @scenario(
     tags=("impact", "rotation", "box"),
     suites=(),
@@ -55,21 +71,12 @@ def struck_rod(e: float = 0.7, offset: float = 0.4) -> Scenario:
     scene = Scene((rod, ball), (Restitution(e), Rotation()))
     after = struck(e, offset)
 
-    def truth(t: np.ndarray) -> Trajectory:
-        before, since, hit = np.minimum(t, MEETING), np.maximum(t - MEETING, 0.0), t >= MEETING
-        x = vectors(t, x=after.rod * since), vectors(t, x=start[0] + SPEED * before + after.ball * since, z=offset)
-        v = (np.where(hit, after.rod, 0.0), np.where(hit, after.ball, SPEED))
-        q, w = exponential(vectors(t, y=after.spin * since)), vectors(t, y=np.where(hit, after.spin, 0.0))
-        return trajectory(
-            scene, t, {"rod": Motion(x[0], vectors(t, x=v[0]), q, w), "ball": Motion(x[1], vectors(t, x=v[1]))}
-        )
-
     jump = SPEED - after.ball
     return Scenario(
         scene=scene,
         duration=DURATION,
         sampling=5e-3,
-        truth=truth,
+        truth=after_the_blow(scene, after),
         checks=(
             first_order("position error", jump * STEP, "m", "|Δv| h: the rod is seen up to one step late"),
             converged("velocity error", SPEED, "the approach speed in m/s"),

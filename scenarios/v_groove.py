@@ -77,7 +77,7 @@ def pile_of_balls(between: float = 0.34, floor: float = 0.09) -> Scenario:
         for k, turn in enumerate(math.radians(120.0 * k) for k in range(3))
     ]
     top = Body("top", Sphere(RADIUS), 1.0, (0.0, 0.0, RADIUS + 2.0 * RADIUS * math.sqrt(2.0 / 3.0)))
-    friction = Friction(between, {("ground", b.name): floor for b in balls} if floor != between else {})
+    friction = Friction(between, {("ground", b.name): floor for b in (*balls, top)})
     scene = Scene((Body("ground", HalfSpace()), *balls, top), (Gravity(), friction, Resting(), Rotation()))
     return Scenario(
         scene=scene,
