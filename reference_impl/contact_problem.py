@@ -17,6 +17,7 @@ number, and a heavy body on light ones would be lost.  Rows of G are brought to 
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -24,9 +25,20 @@ import numpy as np
 from reference_impl.contact_solvers import SOLVERS
 
 GOOD = 1e-10  # certificate a solver must reach before the next one is asked
+FINE = 1e-12  # certificate of expected contacts; with a worse one those that should push creep into overlap
 RANK = 1e-12  # relative singular value below which contacts count as redundant
+ROUNDING = 1e-13  # what may be left of the rows that are held, relative to |c| or |d|
+REFINEMENTS = 12  # with a kept factor; they end as soon as they gain less than a factor of two
+DOUBTFUL = (1e-13, 1e-9)  # relative eigenvalues of A that are neither zero nor trustworthy
 USABLE = 1e-6  # certificate below which an answer is refused
 RESCUERS = ("dantzig", "nnls", "osqp", "lemke")  # asked in this order after the solver that was chosen
+
+
+class Kept(NamedTuple):
+    """What one answer leaves for the next one of contacts that have moved on a little."""
+
+    f: np.ndarray  # (m,) multipliers of the rows of unit length
+    inverse: np.ndarray  # (m, m) pseudo-inverse of A of the rows that push, zero for the others
 
 
 class Answer(NamedTuple):
@@ -37,6 +49,7 @@ class Answer(NamedTuple):
     a: np.ndarray  # (m,) G x - d of the rows as given: what remains along each contact
     residual: float  # natural-map certificate, relative
     solver: str = ""  # whose answer it is; "" for the closed form of one contact, "guess" for the expected contacts
+    kept: Kept | None = None
 
 
 class NoSolution(Exception):
@@ -50,7 +63,14 @@ def residual(g: np.ndarray, c: np.ndarray, d: np.ndarray, f: np.ndarray) -> floa
     return float(np.abs(np.minimum(f, a)).max()) / scale
 
 
-def solve(g: np.ndarray, c: np.ndarray, d: np.ndarray, solver: str = "auto", guess: np.ndarray | None = None) -> Answer:
+def solve(
+    g: np.ndarray,
+    c: np.ndarray,
+    d: np.ndarray,
+    solver: str = "auto",
+    guess: np.ndarray | None = None,
+    kept: Kept | None = None,
+) -> Answer:
     """Solution of the contact problem with its certificate.
 
     Parameters
@@ -65,6 +85,8 @@ def solve(g: np.ndarray, c: np.ndarray, d: np.ndarray, solver: str = "auto", gue
         One of `SOLVERS`, asked first; the others follow if its certificate is not good.
     guess : (m,) array of bool, optional
         Contacts expected to push; tried before any solver, and accepted only with a good certificate.
+    kept : Kept, optional
+        From the answer to the same contacts a moment ago; its factor is tried before anything else.
 
     Raises
     ------
@@ -77,26 +99,43 @@ def solve(g: np.ndarray, c: np.ndarray, d: np.ndarray, solver: str = "auto", gue
         f = np.maximum(least - unit @ c, 0.0)
         x = c + unit[0] * f[0]
         return Answer(f / length, x, np.zeros(1) if f[0] > 0.0 else (unit @ x - least) * length, 0.0)
-    best, worth, whose = None, np.inf, "guess"
+    if kept is not None:
+        f, x = kept.f.copy(), np.empty_like(c)
+        worth = _refine(unit, c, least, kept.inverse, f, x)
+        if worth <= FINE:
+            return Answer(f / length, x, (unit @ x - least) * length, worth, "guess", Kept(f, kept.inverse))
+    best, worth, whose, kept = None, np.inf, "guess", None
     if guess is not None:
-        best = _held(unit, c, least, guess)
+        best, kept = _held(unit, c, least, guess)
         worth = residual(unit, c, least, best[0])
-    if worth > GOOD:
-        start = None if best is None else np.maximum(best[0], 0.0)
-        for name in (solver, *(s for s in RESCUERS if s != solver)):
-            f = _asked(name, unit, c, least, start)
-            if f is None:
-                continue
-            exact = _held(unit, c, least, f > 0.0)
-            for candidate in (exact, (f, exact[1])):
-                value = residual(unit, c, least, candidate[0])
-                if value < worth:
-                    best, worth, whose = candidate, value, name
-            if worth <= GOOD:
-                break
+    if worth > FINE:
+        best, worth, whose, kept = _sought(unit, c, least, solver, best, worth)
     if best is None or not worth <= USABLE:
         raise NoSolution(f"no solver solves the contact problem of {len(d)} contacts (best certificate {worth:.3g})")
-    return Answer(best[0] / length, best[1], (unit @ best[1] - least) * length, worth, whose)
+    f, x = best
+    return Answer(f / length, x, (unit @ x - least) * length, worth, whose, kept)
+
+
+Motion = tuple[np.ndarray, np.ndarray]  # forces and the motion under them
+
+
+def _sought(
+    g: np.ndarray, c: np.ndarray, d: np.ndarray, solver: str, best: Motion | None, worth: float
+) -> tuple[Motion | None, float, str, Kept | None]:
+    """The best answer of the solvers, asked until a certificate is good, its certificate, and whose it is."""
+    start, whose, kept = None if best is None else np.maximum(best[0], 0.0), "guess", None
+    for name in (solver, *(s for s in RESCUERS if s != solver)):
+        f = _asked(name, g, c, d, start)
+        if f is None:
+            continue
+        exact, factor = _held(g, c, d, f > 0.0)
+        for candidate in (exact, (f, exact[1])):
+            value = residual(g, c, d, candidate[0])
+            if value < worth:
+                best, worth, whose, kept = candidate, value, name, factor
+        if worth <= GOOD:
+            break
+    return best, worth, whose, kept
 
 
 def _asked(name: str, g: np.ndarray, c: np.ndarray, d: np.ndarray, start: np.ndarray | None) -> np.ndarray | None:
@@ -108,15 +147,20 @@ def _asked(name: str, g: np.ndarray, c: np.ndarray, d: np.ndarray, start: np.nda
     return np.maximum(f, 0.0) if f.shape == d.shape and np.isfinite(f).all() else None
 
 
-def _held(g: np.ndarray, c: np.ndarray, d: np.ndarray, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _held(g: np.ndarray, c: np.ndarray, d: np.ndarray, active: np.ndarray) -> tuple[Motion, Kept | None]:
     """Forces that hold the active rows at exactly d, and the motion under them; the smallest forces if not unique.
 
-    With G = U S Vᵀ of the active rows, x = c + V (S⁻¹ Uᵀ d - Vᵀ c) and f = U S⁻¹ (S⁻¹ Uᵀ d - Vᵀ c): the
+    And what to keep of it, unless the rows are so ill-conditioned that refining does not end: then, with
+    G = U S Vᵀ of the active rows, x = c + V (S⁻¹ Uᵀ d - Vᵀ c) and f = U S⁻¹ (S⁻¹ Uᵀ d - Vᵀ c).  Either way the
     motion is a projection, so that a held contact is held exactly whatever the masses.
     """
-    f = np.zeros(len(d))
+    f, x = np.zeros(len(d)), c.copy()
     if not active.any():
-        return f, c
+        return (f, x), None
+    inverse = _inverse(g, active)
+    if _refine(g, c, d, inverse, f, x) < np.inf:
+        return (f, x), Kept(f, inverse)
+    f = np.zeros(len(d))
     u, s, vt = np.linalg.svd(g[active], full_matrices=False)
     rank = int((s > RANK * s[0]).sum())
     u, s, vt = u[:, :rank], s[:rank], vt[:rank]
@@ -124,4 +168,47 @@ def _held(g: np.ndarray, c: np.ndarray, d: np.ndarray, active: np.ndarray) -> tu
     f[active] = u @ (change / s)
     x = c + vt.T @ change
     # once more, for what the projection of a large c has left
-    return f, x + vt.T @ ((u.T @ d[active]) / s - vt @ x)
+    return (f, x + vt.T @ ((u.T @ d[active]) / s - vt @ x)), None
+
+
+def _inverse(g: np.ndarray, active: np.ndarray) -> np.ndarray:
+    """Pseudo-inverse (m, m) of A of the active rows, zero elsewhere.
+
+    From the eigenvalues of A, unless some are lost in the square of the condition number: then from the factor G.
+    It serves to refine, and what it lacks in digits costs another refinement.
+    """
+    out = np.zeros((len(g), len(g)))
+    if not active.any():
+        return out
+    rows = g[active]
+    values, vectors = np.linalg.eigh(rows @ rows.T)
+    low, high = DOUBTFUL[0] * values[-1], DOUBTFUL[1] * values[-1]
+    if ((values > low) & (values < high)).any():
+        vectors, s, _ = np.linalg.svd(rows, full_matrices=False)
+        values, high = s * s, (RANK * s[0]) ** 2
+    good = values > high
+    out[np.ix_(active, active)] = (vectors[:, good] / values[good]) @ vectors[:, good].T
+    return out
+
+
+def _refine(g: np.ndarray, c: np.ndarray, d: np.ndarray, inverse: np.ndarray, f: np.ndarray, x: np.ndarray) -> float:
+    """Refine forces `f` until the rows known to `inverse` are held at exactly d; the certificate, inf if they are not.
+
+    Every refinement works on what is left of the rows in the motion `x` itself, which is so held to rounding
+    whatever the masses and whatever the inverse lacks.
+    """
+    known = inverse.diagonal() > 0.0
+    x[:] = c + f @ g
+    scale = max(math.sqrt(c @ c), float(np.abs(d).max()), 1e-300)
+    last = math.inf
+    for _ in range(REFINEMENTS):
+        left = (d - g @ x) * known
+        size = float(np.abs(left).max())
+        if size > 0.5 * last or size == 0.0:
+            last = min(size, last)
+            break
+        last = size
+        step = inverse @ left
+        f += step
+        x += step @ g
+    return residual(g, c, d, f) if last <= ROUNDING * scale else math.inf

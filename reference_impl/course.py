@@ -13,13 +13,14 @@ import numpy as np
 
 from reference_impl.effects.resting import Island, Pose, Push, push, rounding
 from reference_impl.effects.sliding import Grip, grip_of, reversing, rough_push
-from reference_impl.integrators import RungeKutta8, hermite, where
+from reference_impl.integrators import RungeKutta8, driven_momentum, hermite, where
 from reference_impl.kernels import kernel, matrix, spin, spin_rate
 from reference_impl.rough import limits
 
 if TYPE_CHECKING:
     from reference_impl.world import World
 
+EVEN = 1e-15  # distance from its polynomials at which a motion is theirs [size of the coordinates]
 SAFETY = 1.5  # on bounds of the accelerations within a step, which are sampled at its stages
 WIDTH = 13  # numbers of one body in a state: position, quaternion, velocity, angular momentum
 
@@ -50,7 +51,7 @@ class Course:
         Whether the world has the state at its end.
     """
 
-    def __init__(self, world: World, island: Island) -> None:
+    def __init__(self, world: World, island: Island, p: Push) -> None:
         self.world, self.island, self.bodies = world, island, world.bodies
         m = world.motion
         self.begin, self.end = world.t, -math.inf
@@ -65,13 +66,16 @@ class Course:
         pairs = world.detector.pairs
         self.pairs = np.flatnonzero(own[pairs].all(axis=1) & np.isin(pairs, self.members).any(axis=1))
         self.carriers = sorted(i for i in partners if world.moving)
-        self.states: np.ndarray | None = None  # of the contacts at the last evaluation, the guess for the next
-        self.push: Push | None = None
+        self.push, self.kept = p, p.kept
+        # states of the contacts at the last evaluation, the guess for the next
+        self.states: np.ndarray | None = None
         self.friction: np.ndarray | None = None
         problem, mu = island.problem(self.pose, self.bodies), world.mu[island.contacts.pairs]
         self.gap, self.limits = problem.k.gap, limits(world)
         self.grip: Grip | None = None
-        if mu.any():
+        if not mu.any():
+            self.states = p.force > 0.0
+        else:
             self.grip = grip_of(island, problem, self.pose, self.bodies, mu, self.limits)
         self.method = RungeKutta8()
         self.loaded = np.zeros(len(self.gap), dtype=bool)
@@ -97,8 +101,8 @@ class Course:
         pose, b, island = self.place(t, y), self.bodies, self.island
         problem = island.problem(pose, b)
         if self.grip is None:
-            p = push(island, problem, pose, b, self.world.settings.solver, self.states)
-            self.states = p.force > 0.0
+            p = push(island, problem, pose, b, self.world.settings.solver, self.states, self.kept)
+            self.states, self.kept = p.force > 0.0, p.kept
         else:
             p, self.friction, self.states = rough_push(
                 island, problem, pose, b, self.grip, self.limits.slow, self.states
@@ -133,6 +137,7 @@ class Course:
         """Take this as the step, and give the bodies polynomials for it with bounds from its stages."""
         self.end, self.new, self.stages = end, new, stages
         self.loaded = self.push.force > 0.0
+        self._even: bool | None = None
         m, b, h = self.world.motion, self.bodies, end - self.begin
         m.begin[self.members], m.end[self.members] = self.begin, end
         if h > 0.0:
@@ -150,6 +155,25 @@ class Course:
             turn = np.abs(matrix(q) - matrix(one[3:7])).max() * self.bodies.reach[i]
             worst = max(worst, float(np.abs(x - one[:3]).max() + turn))
         return worst
+
+    def look(self, t: float) -> None:
+        """Set the world's motion of these bodies to what it is at time t of the step, which goes on undisturbed.
+
+        To the polynomials where they are the motion to rounding, as under constant accelerations; they differ from
+        it most at the middle of the step.  Else the motion itself is carried there.
+        """
+        kept = self.states, self.kept, self.push
+        if self._even is None:
+            middle = 0.5 * (self.begin + self.end)
+            away = self.deviation(middle, self.carried(middle)[0])
+            size = np.abs(self.y.reshape(-1, WIDTH)[:, :3]).max() + self.bodies.reach[self.members].max()
+            self._even = bool(away <= EVEN * size)
+        m = self.world.motion
+        if not self._even:
+            self.show(self.carried(t)[0])
+        else:
+            _momenta(self.members, t, self.bodies.inertia, m.begin, m.x_series, m.q_series, m.L)
+        self.states, self.kept, self.push = kept
 
     def show(self, y: np.ndarray) -> None:
         """Set the world's motion of these bodies to the state y."""
@@ -184,6 +208,13 @@ def _rates(members, q, v, w, acceleration, torque, out):
             out[k + c], out[k + 7 + c], out[k + 10 + c] = v[i, c], acceleration[at, c], torque[at, c]
         for c in range(4):
             out[k + 3 + c] = turn[c]
+
+
+@kernel
+def _momenta(members, t, inertia, begin, x_series, q_series, momentum):
+    """Angular momenta at time t of polynomials."""
+    for i in members:
+        momentum[i] = driven_momentum(t - begin[i], inertia[i], x_series[i], q_series[i])
 
 
 @kernel

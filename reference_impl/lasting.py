@@ -76,7 +76,8 @@ def _step(world: World, course: Course, limit: float) -> None:
             continue
         course.lay(end, new, stages)
         stop = _own_end(world, course)
-        if _overlap(world, course, stop, course.new) < -DEEP * world.scales.length:
+        # what is there from the start is not the step's
+        if _overlap(world, course, stop, course.new) < min(-DEEP * world.scales.length, 1.1 * course.gap.min()):
             world.audit.rejected += 1
             h = 0.5 * (stop - start)
             continue
@@ -196,9 +197,7 @@ def show(world: World) -> None:
     """Set the state of the islands on their way to what it is now, by the motion itself; they go on undisturbed."""
     for course in world.courses:
         if course.begin < world.t < course.end:
-            kept = course.states
-            course.show(course.carried(world.t)[0])
-            course.states = kept  # what is looked at changes nothing
+            course.look(world.t)
 
 
 def _slides_off(world: World, course: Course) -> float:

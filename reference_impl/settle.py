@@ -38,6 +38,7 @@ def settle(world: World) -> None:
     Stalled
         If contact forces do not exist again and again.
     """
+    world.kept.clear()
     cluster = world.dirty & (world.bodies.inverse_mass > 0.0)  # a floor does not tell one island of another
     contacts = _touching(world, cluster)
     before, lasted = audit.arrival(world, cluster), world.mode != FLYING
@@ -61,6 +62,9 @@ def settle(world: World) -> None:
 def _release(world: World, cluster: np.ndarray) -> None:
     """Take these bodies (boolean) out of all lasting contact."""
     world.mode[cluster] = FLYING
+    for course in world.courses:
+        if course.kept is not None and cluster[course.members].any():
+            world.kept[course.island.contacts.kinds.tobytes()] = course.kept
     world.forces = [h for h in world.forces if not (cluster[h.a] or cluster[h.b])]
     world.courses = [c for c in world.courses if not cluster[c.members].any()]
     world.lasts &= ~cluster[world.detector.pairs].any(axis=1)
@@ -113,7 +117,8 @@ def _hold(world: World, stay: Contacts) -> bool:
             if mu.any():
                 p, friction = rough_forces(world, island, problem, pose, mu)
             else:
-                p = push(island, problem, pose, world.bodies, world.settings.solver, _guess(world, island))
+                kept = world.kept.get(island.contacts.kinds.tobytes())
+                p = push(island, problem, pose, world.bodies, world.settings.solver, _guess(world, island), kept)
         except NoSolution as error:
             if not mu.any():
                 raise Stalled(f"resting contact: {error}", world.t) from None
@@ -129,7 +134,7 @@ def _hold(world: World, stay: Contacts) -> bool:
             world.rested[island.bodies] = True
             world.audit.rests = int(world.rested.sum())
         else:
-            world.courses.append(Course(world, island))
+            world.courses.append(Course(world, island, p))
             world.lasts[island.contacts.pairs] = True
         _record(world, island, problem, p.force, friction)
     return True

@@ -12,7 +12,7 @@ from mechanics.scene import Scene
 from mechanics.trajectory import State
 from reference_impl.audit import knows_work
 from reference_impl.collide.detect import Detector, Search, rotations
-from reference_impl.contact_problem import SOLVERS
+from reference_impl.contact_problem import SOLVERS, Kept
 from reference_impl.effects.impact import LAWS
 from reference_impl.effects.phases import HYPOTHESES
 from reference_impl.errors import Stalled, Unsupported
@@ -187,6 +187,7 @@ class World:
     settled: np.ndarray = field(init=False)  # when the contacts of each body were last looked at [s]
     mu: np.ndarray = field(init=False)  # (pairs,) coefficients of friction
     courses: list[Course] = field(default_factory=list)  # of the islands in lasting contact
+    kept: dict[bytes, Kept] = field(default_factory=dict)  # what courses that have just ended leave for the next
     lasts: np.ndarray = field(init=False)  # (pairs,) whether a contact of the pair is part of a course
     pace: np.ndarray = field(init=False)  # (n,) step proposed for each body in lasting contact [s]
     forces: list[Held] = field(default_factory=list)

@@ -18,7 +18,7 @@ import numpy as np
 
 from reference_impl.collide.detect import Contacts, Kinematics
 from reference_impl.collide.features import all_kinematics, rows
-from reference_impl.contact_problem import solve
+from reference_impl.contact_problem import Kept, solve
 from reference_impl.kernels import apply, apply_transposed, cross, dot, kernel, matrix, spin, turned
 from reference_impl.state import Bodies, Motion
 
@@ -66,6 +66,7 @@ class Push(NamedTuple):
     acceleration: np.ndarray  # (bodies, 3) [m/s2]
     torque: np.ndarray  # (bodies, 3) rate of the angular momentum [N m]
     residual: float
+    kept: Kept | None = None  # for the same contacts a moment later
 
 
 @dataclass(frozen=True)
@@ -171,7 +172,15 @@ def islands(contacts: Contacts, b: Bodies) -> list[Island]:
     return [Island.of(contacts.chosen(np.array(members)), b) for members in groups.values()]
 
 
-def push(island: Island, problem: Problem, pose: Pose, b: Bodies, solver: str, guess: np.ndarray | None = None) -> Push:
+def push(
+    island: Island,
+    problem: Problem,
+    pose: Pose,
+    b: Bodies,
+    solver: str,
+    guess: np.ndarray | None = None,
+    kept: Kept | None = None,
+) -> Push:
     """Contact forces of an island and the motion they cause.
 
     Raises
@@ -179,8 +188,8 @@ def push(island: Island, problem: Problem, pose: Pose, b: Bodies, solver: str, g
     NoSolution
         If no forces keep the bodies apart.
     """
-    answer = solve(problem.g, problem.free, problem.least, solver, guess)
-    return Push(answer.f, *accelerations(island, answer.x, pose, b), answer.residual)
+    answer = solve(problem.g, problem.free, problem.least, solver, guess, kept)
+    return Push(answer.f, *accelerations(island, answer.x, pose, b), answer.residual, answer.kept)
 
 
 def accelerations(island: Island, scaled: np.ndarray, pose: Pose, b: Bodies) -> tuple[np.ndarray, np.ndarray]:
