@@ -140,7 +140,7 @@ class Reference(Profile):
         "friction": ("convex", "pyramid", "exact"),
         "sides": (4, 8, 16, 32),
         "tolerance": (1e-6, 1e-9, 1e-12),
-        "time_of_contact": ("bisection", "advancement"),
+        "time_of_contact": ("bisection", "illinois", "newton", "advancement"),
         "solver": ("pgs", "lemke", "osqp_dual", "osqp", "dantzig", "nnls", "auto"),
     }
     table = "IMPULSES"
@@ -183,7 +183,8 @@ class Reference(Profile):
     def audit(self, world: Any) -> dict[str, float]:
         """What the engine knows of its own soundness; see `reference_impl.world.Audit`."""
         incidents = {f"{i.what} of {' and '.join(i.bodies)} at [s]": i.time for i in reversed(world.incidents)}
-        return super().audit(world) | {"evaluations": float(world.search.evaluations)} | incidents
+        counts = ("evaluations", "refinements", "brackets")  # of the gap, in search of times of contact
+        return super().audit(world) | {name: float(getattr(world.search, name)) for name in counts} | incidents
 
 
 class Lecture(Profile):

@@ -13,7 +13,6 @@ import math
 import numpy as np
 
 from reference_impl.collide.detect import Contacts, kinematics, rotations
-from reference_impl.collide.features import margin
 from reference_impl.contact_problem import NoSolution
 from reference_impl.course import Course
 from reference_impl.effects.resting import Island
@@ -203,7 +202,7 @@ def show(world: World) -> None:
 def _slides_off(world: World, course: Course) -> float:
     """First time at which a contact has left its feature by a little more than the lateral tolerance, or the end."""
     contacts, end = course.island.contacts, course.end
-    bounded = world.bodies.half[contacts.kinds[:, 1], 0] > 0.0
+    bounded = world.detector.bounded(contacts)
     if not bounded.any():
         return end
     contacts = contacts.chosen(bounded)
@@ -225,17 +224,12 @@ def _slides_off(world: World, course: Course) -> float:
 
 def _margins(world: World, contacts: Contacts, t: float) -> float:
     """Least margin of the contacts at time t of the segments [m]."""
-    m, b = world.motion, world.bodies
-    x, v, q, rate = np.empty(3), np.empty(3), np.empty(4), np.empty(4)
-    places = {}
+    m = world.motion
+    x, rotation, v, q, rate = m.x.copy(), np.empty((len(m.x), 3, 3)), np.empty(3), np.empty(4), np.empty(4)
     for i in set(contacts.kinds[:, :2].ravel().tolist()):
-        where(t - m.begin[i], m.x_series[i], m.q_series[i], x, v, q, rate)
-        places[i] = (x.copy(), rotations(q[None])[0])
-    least = math.inf
-    for kinds, reals in zip(contacts.kinds, contacts.reals, strict=True):
-        i, j = kinds[:2].tolist()
-        least = min(least, margin(kinds, reals, *places[i], *places[j], b.half[i], b.half[j]))
-    return least
+        where(t - m.begin[i], m.x_series[i], m.q_series[i], x[i], v, q, rate)
+        rotation[i] = rotations(q[None])[0]
+    return min(world.detector.margin(contacts, k, x, rotation) for k in range(len(contacts.kinds)))
 
 
 def _overlap(world: World, course: Course, t: float, y: np.ndarray) -> float:

@@ -23,7 +23,7 @@ from mechanics.scene import Scene
 from mechanics.trajectory import Trajectory
 from reference_impl import lasting
 from reference_impl.assemble import IMPULSES, Table, assemble
-from reference_impl.collide.detect import Detector, Search, kinematics, rotations
+from reference_impl.collide.detect import COARSE, Detector, Search, kinematics, rotations
 from reference_impl.errors import Overlap, Stalled
 from reference_impl.settle import settle
 from reference_impl.state import Bodies, bodies_of, motion_of
@@ -74,7 +74,7 @@ def begin(scene: Scene, settings: Settings | None = None, table: Table = IMPULSE
     search = Search(
         settings.time_of_contact, settings.tolerance * scales.length,
         max(TOUCH, 10.0 * settings.tolerance) * scales.length, QUIET * scales.speed,
-        PART * scales.speed,
+        PART * scales.speed, COARSE * scales.length,
     )  # fmt: skip
     world = World(scene, settings, parts, bodies, unloaded, motion_of(scene, bodies), scales,
                   Detector(scene, bodies, search), search)  # fmt: skip
@@ -165,6 +165,10 @@ def _finite(values: np.ndarray) -> np.ndarray:
 def _refuse_overlap(world: World) -> None:
     m, everything = world.motion, np.ones(len(world.dirty), dtype=bool)
     rotation = rotations(m.q)
+    for p, (a, b) in enumerate(world.detector.pairs.tolist()):
+        depth = world.detector.overlap(p, m.x, rotation)
+        if depth > world.search.touch:
+            raise Overlap((world.scene.names[a], world.scene.names[b]), depth, 0.0)
     contacts = world.detector.contacts(m.x, rotation, everything)
     if len(contacts.kinds) == 0:
         return

@@ -14,9 +14,9 @@ import numpy as np
 
 from mechanics.effects import Rotation
 from mechanics.scene import Scene
-from mechanics.shapes import Box, HalfSpace, Sphere, bounding_radius
+from mechanics.shapes import Box, Cylinder, HalfSpace, Sphere, bounding_radius
 
-SPHERE, BOX, PLANE, OTHER = 0, 1, 2, 3
+SPHERE, BOX, PLANE, CYLINDER, SOLID = 0, 1, 2, 3, 4  # a solid is a mesh or capsule
 ORDER = 16  # of the Taylor polynomials of free flight
 
 
@@ -34,7 +34,7 @@ class Bodies(NamedTuple):
     lever: np.ndarray  # (n, 3, 3) Σ p Fᵀ of world forces F at body points p [N m]
     drag: np.ndarray  # (n,) linear drag over mass [1/s]
     spin_drag: np.ndarray  # (n,) angular drag [N m s]
-    shape: np.ndarray  # (n,) SPHERE, BOX, PLANE or OTHER
+    shape: np.ndarray  # (n,) SPHERE, BOX, PLANE, CYLINDER or SOLID
     half: np.ndarray  # (n, 3) half edges of boxes [m]
     radius: np.ndarray  # (n,) of spheres [m]
     normal: np.ndarray  # (n, 3) of half-spaces, world frame
@@ -89,7 +89,7 @@ def bodies_of(scene: Scene) -> Bodies:
     matrices = zeros((n, 3, 3))
     b = Bodies(
         zeros(n), matrices, matrices.copy(), matrices.copy(), zeros(n), zeros(n), zeros((n, 3)), zeros((n, 3)),
-        matrices.copy(), zeros(n), zeros(n), np.full(n, OTHER), zeros((n, 3)), zeros(n), zeros((n, 3)), zeros(n),
+        matrices.copy(), zeros(n), zeros(n), np.full(n, SOLID), zeros((n, 3)), zeros(n), zeros((n, 3)), zeros(n),
         zeros(n, dtype=np.bool_), zeros(n, dtype=np.bool_),
     )  # fmt: skip
     for i, body in enumerate(scene.bodies):
@@ -98,6 +98,8 @@ def bodies_of(scene: Scene) -> Bodies:
             b.shape[i], b.radius[i] = SPHERE, body.shape.radius
         elif isinstance(body.shape, Box):
             b.shape[i], b.half[i] = BOX, 0.5 * np.array(body.shape.size)
+        elif isinstance(body.shape, Cylinder):
+            b.shape[i] = CYLINDER
         elif isinstance(body.shape, HalfSpace):
             from mechanics.rotation import rotate
 

@@ -21,6 +21,7 @@ from reference_impl.integrators import carry, driven_flight, driven_momentum, fr
 from reference_impl.kernels import spin
 from reference_impl.parts import Parts
 from reference_impl.state import Bodies, Motion
+from reference_impl.time_of_contact import METHODS
 
 if TYPE_CHECKING:
     from reference_impl.course import Course
@@ -46,7 +47,8 @@ class Settings:
     sides : int
         Of the polygon in place of the circle where friction is "pyramid".
     time_of_contact : str
-        "advancement" (conservative, second order) or "bisection".
+        One of `time_of_contact.METHODS`: "advancement" (conservative, second order), or "bisection",
+        "illinois" or "newton" in a bracket that it opens.
     solver : str
         First solver of contact problems, one of `contact_problem.SOLVERS`.
     tolerance : float
@@ -74,7 +76,7 @@ class Settings:
             ("impact_law", tuple(LAWS)),
             ("restitution", ("newton", *HYPOTHESES)),
             ("friction", MODELS),
-            ("time_of_contact", ("advancement", "bisection")),
+            ("time_of_contact", METHODS),
             ("solver", tuple(SOLVERS)),
         )
         for name, allowed in choices:

@@ -125,11 +125,13 @@ def _edges(a, b, ra, half_a, rb, half_b, n, best, kinds, reals, count):
 
 @kernel
 def _orient(row, ra, rb, n):
-    """Set the sign of a crossing so that its normal goes along n."""
+    """Direct the edge of b so that the normal a × b of a crossing goes along n."""
     e, f = apply(ra, row[3:6]), apply(rb, row[9:12])
     volume = (e[1] * f[2] - e[2] * f[1]) * n[0] + (e[2] * f[0] - e[0] * f[2]) * n[1]
     volume += (e[0] * f[1] - e[1] * f[0]) * n[2]
-    row[13] = 1.0 if volume > 0.0 else -1.0
+    if volume < 0.0:
+        for c in range(9, 12):
+            row[c] = -row[c]
 
 
 @kernel

@@ -1,11 +1,13 @@
 """Contact features and how their gap changes.
 
-A contact joins a feature of body a with a feature of body b and belongs to one of four kinds:
+A contact joins a feature of body a with a feature of body b and belongs to one of six kinds:
 
     FACE    a point of a, widened by a radius, on a plane of b
-    EDGES   an edge of a crossing an edge of b
+    EDGES   an edge of a crossing an edge of b, both widened by radii
     POINT   a point of a at a point of b, widened by the sum of the radii
     LINE    a point of a, widened by a radius, at an edge of b
+    RIM     a circle of a on a plane of b
+    RING    a point of a, widened by a radius, at a circle of b
 
 The unit normal n points from b to a and the gap is negative in overlap.  Along any motion
 
@@ -16,8 +18,10 @@ with J = (n, r_a × n, -n, -r_b × n) for arms r from the centres of mass to the
 
 Whole numbers of a contact: a, b, kind, id of the feature of a, id of the feature of b.  Numbers:
 point (3) and direction (3) in the frame of a, point (3) and direction (3) in the frame of b
-(direction = edge through the point, its middle, or outward normal of the face), sum of the radii,
-and the radius of a or, for EDGES, the sign that makes a × b point from b to a.
+(direction = edge through the point, its middle; or outward normal of the face; or axis of the circle
+around the point), sum of the radii, radius of a.  The edges of EDGES are directed so that a × b points
+from b to a.  For RIM the radius of a is that of the circle; for RING the radius of the circle of b stands
+in place of the direction in a, which a point has not.
 """
 
 from __future__ import annotations
@@ -26,9 +30,10 @@ import math
 
 import numpy as np
 
+from reference_impl.collide.rims import point_at_rim, rim_on_plane
 from reference_impl.kernels import apply, cross, dot, kernel, norm
 
-FACE, EDGES, POINT, LINE = 0, 1, 2, 3
+FACE, EDGES, POINT, LINE, RIM, RING = 0, 1, 2, 3, 4, 5
 WHOLE, REAL = 5, 14
 
 
@@ -74,6 +79,13 @@ def kinematics(kinds, reals, xa, ra, va, wa, xb, rb, vb, wb, n, point):
     ddr = _minus(cross(wa, spin_a), cross(wb, spin_b))  # its second rate without accelerations
     if kind == EDGES:
         return _crossing(reals, ra, wa, rb, wb, xb, arm_b, r, dr, ddr, n, point)
+    if kind == RIM:
+        return rim_on_plane(reals, ra, wa, rb, wb, xa, arm_a, r, dr, ddr, n, point)
+    if kind == RING:
+        distance, rate, bias = point_at_rim(reals, rb, wb, r, dr, ddr, n, spin_b)
+        for c in range(3):
+            point[c] = xa[c] + arm_a[c] - n[c] * reals[13]
+        return distance - radius, rate, bias
     if kind == FACE:
         normal = apply(rb, reals[9:12])
         dn = cross(wb, normal)
@@ -120,7 +132,7 @@ def kinematics(kinds, reals, xa, ra, va, wa, xb, rb, vb, wb, n, point):
 
 @kernel
 def _crossing(reals, ra, wa, rb, wb, xb, arm_b, r, dr, ddr, n, point):
-    """Gap, rate and bias of two crossing edges: n ∝ a × b, gap = n·r.
+    """Gap, rate and bias of two crossing edges: n ∝ a × b, gap = n·r less the radii.
 
     With the nearest points P_a = p_a + s a and P_b = p_b + t b, the rate is n·(r' + s a' - t b'),
     because n is perpendicular to both edges.
@@ -131,7 +143,7 @@ def _crossing(reals, ra, wa, rb, wb, xb, arm_b, r, dr, ddr, n, point):
     c = cross(a, b)
     size = norm(c)
     for k in range(3):
-        n[k] = reals[13] * c[k] / size
+        n[k] = c[k] / size
     gap = dot(n, r)
     # the dual basis of (a, b) in their plane: pa·a = 1, pa·b = 0, pb·b = 1, pb·a = 0
     pa, pb = cross(b, n), cross(n, a)
@@ -156,8 +168,8 @@ def _crossing(reals, ra, wa, rb, wb, xb, arm_b, r, dr, ddr, n, point):
     bias = dot(dn, near)
     for k in range(3):
         bias += n[k] * (ddr[k] + ds * da[k] + s * dda[k] - dt * db[k] - t * ddb[k])
-        point[k] = xb[k] + arm_b[k] + t * b[k]
-    return gap, rate, bias
+        point[k] = xb[k] + arm_b[k] + t * b[k] + (reals[12] - reals[13]) * n[k]
+    return gap - reals[12], rate, bias
 
 
 @kernel

@@ -22,7 +22,7 @@ from reference_impl.collide.primitives import box_plane, sphere_box, sphere_plan
 from reference_impl.effects.resting import Pose
 from reference_impl.errors import Unsupported
 from reference_impl.kernels import kernel, norm
-from reference_impl.state import BOX, OTHER, PLANE, SPHERE, Bodies
+from reference_impl.state import BOX, PLANE, SOLID, SPHERE, Bodies
 
 MOST = 40  # contacts of one pair of primitives
 LATERAL = 1e-9  # a corner counts as on a face that far beyond its border [size of the smallest body]
@@ -56,7 +56,7 @@ class Overlaps:
                 if not isinstance(body.shape, (Sphere, Box, HalfSpace, Mesh)):
                     kind = type(body.shape).__name__
                     raise Unsupported(f"contact of body {body.name!r}, a {kind}: only Sphere, Box, HalfSpace and Mesh")
-            if OTHER in (bodies.shape[i], bodies.shape[j]):
+            if SOLID in (bodies.shape[i], bodies.shape[j]):
                 self.fielded.append((i, j))
             else:
                 pairs.append((i, j) if bodies.shape[i] <= bodies.shape[j] else (j, i))

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from reference_impl.collide.features import FACE, LINE, POINT
 from reference_impl.kernels import apply_transposed, dot, kernel
 
@@ -55,22 +57,29 @@ def corner(half, j, out):
 
 
 @kernel
-def box_plane(a, b, xa, ra, half, xb, normal, local, reach, kinds, reals, count):
-    """Corners of box a at half-space b."""
+def corners_plane(a, b, xa, ra, corners, radius, xb, normal, local, reach, kinds, reals, count):
+    """Corners of a, each widened by `radius`, at half-space b."""
     body = apply_transposed(ra, normal)
     height = normal[0] * (xa[0] - xb[0]) + normal[1] * (xa[1] - xb[1]) + normal[2] * (xa[2] - xb[2])
-    for j in range(8):
-        gap = height
-        for c in range(3):
-            gap += body[c] * (half[c] if (j >> c) & 1 else -half[c])
-        if gap > reach:
+    for j in range(len(corners)):
+        if height + dot(body, corners[j]) - radius > reach:
             continue
         put(kinds, reals, count, a, b, FACE, j, 0)
-        corner(half, j, reals[count, 0:3])
         for c in range(3):
+            reals[count, c] = corners[j, c]
             reals[count, 9 + c] = local[c]
+        reals[count, 12] = reals[count, 13] = radius
         count += 1
     return count
+
+
+@kernel
+def box_plane(a, b, xa, ra, half, xb, normal, local, reach, kinds, reals, count):
+    """Corners of box a at half-space b."""
+    corners = np.empty((8, 3))
+    for j in range(8):
+        corner(half, j, corners[j])
+    return corners_plane(a, b, xa, ra, corners, 0.0, xb, normal, local, reach, kinds, reals, count)
 
 
 @kernel

@@ -13,7 +13,8 @@ import numpy as np
 
 from mechanics.effects import Friction
 from mechanics.scene import Scene
-from reference_impl.collide.features import EDGES, FACE, LINE
+from reference_impl.collide.features import EDGES, FACE, LINE, RIM, RING
+from reference_impl.collide.rims import point_at_rim, rim_travel
 from reference_impl.friction_problem import Rough
 from reference_impl.kernels import apply, cross, dot, kernel, norm
 from reference_impl.parts import Law, Parts
@@ -169,13 +170,22 @@ def _travel(kind, reals, n, xa, ra, va, wa, xb, rb, vb, wb):
         for c in range(3):
             near[c] = dr[c] + s * da[c] - t * db[c]
         dt = dot(cross(n, a), near) / scale
+        # n is perpendicular to both: n' = -(n·a') pa - (n·b') pb in the dual basis of (a, b)
+        na, nb = dot(n, da) / scale, dot(n, db) / scale
+        wide = reals[12] - reals[13]
+        pa, pb = cross(b, n), cross(n, a)
         for c in range(3):
-            out[c] = vb[c] + spin_b[c] + dt * b[c] + t * db[c]
+            out[c] = vb[c] + spin_b[c] + dt * b[c] + t * db[c] - wide * (na * pa[c] + nb * pb[c])
         return out
+    if kind == RIM:
+        return rim_travel(reals, ra, wa, rb, wb, va, spin_a, n)
     dn = np.zeros(3)
     if kind == FACE:
         radius = reals[12]
         dn = cross(wb, n)
+    elif kind == RING:
+        radius = reals[13]
+        point_at_rim(reals, rb, wb, r, dr, dr, out, dn)  # the second rate is not needed
     else:
         radius = reals[13]
         m, dm = r, dr

@@ -179,7 +179,9 @@ def test_gap_rate_and_bias_are_the_derivatives_of_the_gap(seed, kind):
     reals[0:3], reals[6:9] = 0.2 * rng.normal(size=(2, 3))
     a, b = rng.normal(size=(2, 3))
     reals[3:6], reals[9:12] = a / np.linalg.norm(a), b / np.linalg.norm(b)
-    reals[12] = reals[13] = 0.2 if kind != EDGES else 1.0
+    reals[12] = reals[13] = 0.2
+    if kind == EDGES:
+        reals[12] = 0.3
     n, point = np.empty(3), np.empty(3)
 
     def at(t):

@@ -12,7 +12,7 @@ from mechanics.rotation import matrix, normalised
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
 from reference_impl.simulate import advance, begin, simulate
-from reference_impl.time_of_contact import bisection, parabola, spheres_meet
+from reference_impl.time_of_contact import BRACKETED, METHODS, Bracket, bisection, parabola, spheres_meet
 from reference_impl.world import Settings
 
 FLOOR = Body("floor", HalfSpace())
@@ -52,8 +52,18 @@ def test_spheres_meet_where_their_distance_is_the_sum_of_the_radii(numbers, radi
         )
 
 
+@pytest.mark.parametrize("name", BRACKETED)
+def test_a_root_in_a_bracket(name):
+    """Of 1 - t², and of a function so flat at its root that Newton and false position have to be safeguarded."""
+    for gap in (lambda t: (1.0 - t * t, -2.0 * t), lambda t: ((1.0 - t) ** 9, -9.0 * (1.0 - t) ** 8)):
+        bracket = Bracket(0.0, 3.0, *gap(0.0), gap(3.0)[0])
+        time, count = BRACKETED[name](gap, bracket, 1e-12)
+        assert abs(gap(time)[0]) <= 1e-12
+        assert 0 < count < 60
+
+
 def test_bisection_halves_to_the_tolerance():
-    time, count = bisection(lambda t: 1.0 - t * t, 0.0, 3.0, 1e-12)
+    time, count = bisection(lambda t: (1.0 - t * t, -2.0 * t), Bracket(0.0, 3.0, 1.0, 0.0, -8.0), 1e-12)
     assert time == pytest.approx(1.0, abs=1e-12)
     assert 35 < count < 50
 
@@ -84,22 +94,26 @@ def test_no_first_contact_is_passed(seed, spin):
 
 @pytest.mark.parametrize("other", [Box((0.5, 0.7, 0.9)), Sphere(0.3)])
 @pytest.mark.parametrize("seed", range(6))
-def test_bisection_agrees_with_the_advancement(seed, other):
-    """Two turning bodies that meet in the air, and their times of contact by either method."""
+def test_all_methods_agree(seed, other):
+    """Two turning bodies that meet in the air: the same time, at the cost that each method is known for."""
     rng = np.random.default_rng(seed)
     q = tuple(normalised(rng.normal(size=4)).tolist())
     a = Body("a", Box((0.6, 0.4, 0.3)), 1.0, (-1.5, 0.0, 0.0), q, (2.0, 0.0, 0.0), tuple(rng.normal(size=3) * 5.0))
     b = Body("b", other, 2.0, (1.5, 0.05, -0.05), velocity=(-2.0, 0.1, 0.0), angular_velocity=(3.0, -1.0, 2.0))
-    times, evaluations = [], []
-    for method in ("advancement", "bisection"):
+    times, cost = {}, {}
+    for method in METHODS:
         world = begin(Scene((a, b), (Rotation(), Restitution(1.0))), Settings(time_of_contact=method))
         while not world.events:
             advance(world, 0.1)
-        times.append(world.events[0].time)
-        evaluations.append(world.search.evaluations)
+        times[method] = world.events[0].time
+        cost[method] = world.search.refinements / max(world.search.brackets, 1)
+        assert (world.search.brackets > 0) == (method != "advancement")
     # the gap is within 1e-12 body sizes at an approach of some 4 m/s
-    assert times[0] == pytest.approx(times[1], abs=1e-12)
-    assert evaluations[1] > evaluations[0]
+    assert list(times.values()) == pytest.approx([times["advancement"]] * 4, abs=1e-12)
+    # the bracket is as wide as a hundredth of a body: 2^33 tolerances
+    assert 28 <= cost["bisection"] <= 36
+    assert cost["illinois"] <= 8
+    assert cost["newton"] <= 4
 
 
 def test_a_ball_in_the_air_meets_the_floor_under_drag():
