@@ -18,6 +18,7 @@ from reference_impl.simulate import advance, begin
 from reference_impl.world import Settings
 
 FLOOR = Body("floor", HalfSpace())
+TABLE = Body("table", Box((1.0, 1.0, 0.2)))
 BALL = Body("ball", Sphere(0.1), 1.0, (0.0, 0.0, 1.1))
 OTHER = Body("other", Sphere(0.1), 1.0, (1.0, 0.0, 1.1))
 REFERENCE = ENGINES["reference"]
@@ -37,7 +38,7 @@ def test_it_keeps_every_law_of_an_engine(name):
     (Scene((BALL, OTHER), (Rod("ball", "other"),)), "Rod"),
     (Scene((BALL, OTHER), (Tether("ball", "other", 2.0),)), "Tether"),
     (Scene((BALL, OTHER), (Rotation(), Hinge("ball", "other"))), "Hinge"),
-    (Scene((FLOOR, Body("can", Cylinder(0.1, 0.2), 1.0, (0.0, 0.0, 1.0))), (Restitution(0.5),)), "'can', a Cylinder"),
+    (Scene((TABLE, Body("can", Cylinder(0.1, 0.2), 1.0, (0.0, 0.0, 1.0))), (Restitution(0.5),)), "'can', a Cylinder"),
     (Scene((FLOOR, Body("low", Sphere(0.1), 1.0)), (Restitution(0.5),)), r"'low' and 'floor' overlap by 0\.1 m"),
 ])  # fmt: skip
 def test_what_it_cannot_do_is_refused_with_the_reason(scene, match):
