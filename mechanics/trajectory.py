@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from hashlib import blake2b
 
 import numpy as np
-from jaxtyping import Float64
 
-from mechanics.arrays import frozen
+from mechanics.arrays import Paths, Places, Times, Turnings, Turns, frozen
 
 
 @dataclass(frozen=True)
@@ -29,10 +28,10 @@ class State:
     """
 
     t: float
-    x: Float64[np.ndarray, "n 3"]
-    q: Float64[np.ndarray, "n 4"]
-    v: Float64[np.ndarray, "n 3"]
-    w: Float64[np.ndarray, "n 3"]
+    x: Places
+    q: Turns
+    v: Places
+    w: Places
 
 
 @dataclass(frozen=True)
@@ -47,11 +46,11 @@ class Trajectory:
         As in `State`.
     """
 
-    t: Float64[np.ndarray, " T"]
-    x: Float64[np.ndarray, "T n 3"]
-    q: Float64[np.ndarray, "T n 4"]
-    v: Float64[np.ndarray, "T n 3"]
-    w: Float64[np.ndarray, "T n 3"]
+    t: Times
+    x: Paths
+    q: Turnings
+    v: Paths
+    w: Paths
 
     def __post_init__(self) -> None:
         for name in ("t", "x", "q", "v", "w"):

@@ -1,18 +1,123 @@
-"""Compiled vector and rotation arithmetic.
+"""Compiled vector and rotation arithmetic, and how a function becomes compiled.
 
-Everything the engine computes many times a step is compiled on first use and kept in numba's cache.
+Everything the engine computes many times a step is a `kernel`: compiled on first use and kept on disk.
 No fast-math and no threads: the same input gives the same bits.  With NUMBA_DISABLE_JIT=1 the same
 functions run as plain Python.
+
+Numba on its own keeps compiled code as long as the file a function stands in is unchanged, and does not see
+that a function it calls, in another file, is another one now.  Here it is kept as long as the code of the
+function and of everything it refers to, however far down, is the same; only what has changed is compiled anew.
 """
 
 from __future__ import annotations
 
+import functools
+import hashlib
 import math
+import sys
+from collections.abc import Callable, Iterator
+from types import CodeType, FunctionType, ModuleType
+from typing import Any
 
 import numpy as np
-from numba import njit
+from numba import njit, types
+from numba.core import config
+from numba.core.caching import FunctionCache
+from numba.core.typing.typeof import typeof_impl
 
-kernel = njit(cache=True, error_model="numpy")
+
+class Kernel:
+    """A function that is compiled, or loaded from disk, when it is called for the first time.
+
+    A kernel that only other kernels call costs nothing once these are on disk.
+    """
+
+    def __init__(self, function: FunctionType) -> None:
+        functools.update_wrapper(self, function)
+        self.function = function
+
+    def __call__(self, *args: Any) -> Any:
+        return self.compiled(*args)
+
+    @functools.cached_property
+    def compiled(self) -> Callable[..., Any]:
+        """Numba's dispatcher of the function."""
+        _loaded_without_blas()
+        dispatcher = njit(error_model="numpy")(self.function)
+        dispatcher._cache = FunctionCache(self.function)
+        dispatcher._cache._cache_file._source_stamp = self.stamp()
+        return dispatcher
+
+    def stamp(self) -> str:
+        """Digest of the code of this function and of everything it refers to."""
+        found = [self]
+        digest = hashlib.sha256()
+        for one in found:  # grows on the way
+            digest.update(one.function.__qualname__.encode())
+            for code in _codes(one.function.__code__):
+                digest.update(code.co_code)
+                digest.update(repr([c for c in code.co_consts if not isinstance(c, CodeType)]).encode())
+            for name, value in _references(one.function):
+                if isinstance(value, Kernel) and value not in found:
+                    found.append(value)
+                digest.update(f"{name} {_said(value)}".encode())
+        return digest.hexdigest()
+
+
+@functools.cache
+def _loaded_without_blas() -> None:
+    """Make numba ready to load compiled code, without what it would need to compile products of matrices.
+
+    It looks whether there is a BLAS by importing scipy.linalg, which is a third of the time to the first step; no
+    kernel multiplies matrices by it, and other users of numba in this process still get theirs.
+    """
+    from numba.core.registry import cpu_target
+
+    if "scipy.linalg.cython_blas" in sys.modules or "numba.np.arraymath" in sys.modules:
+        return
+    sys.modules["scipy.linalg.cython_blas"] = None  # type: ignore[assignment]  # "there is none"
+    try:
+        cpu_target.target_context.refresh()
+    finally:
+        del sys.modules["scipy.linalg.cython_blas"]
+    sys.modules["numba.np.arraymath"]._HAVE_BLAS = True  # type: ignore[attr-defined]
+
+
+kernel: Callable[[Any], Any] = (lambda function: function) if config.DISABLE_JIT else Kernel
+
+
+@typeof_impl.register(Kernel)
+def _type_of_kernel(value: Kernel, context: object) -> types.Type:
+    """A kernel that another one calls is to numba what its dispatcher is."""
+    return types.Dispatcher(value.compiled)
+
+
+def _codes(code: CodeType) -> Iterator[CodeType]:
+    """A function's code and that of the functions in it."""
+    yield code
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _codes(constant)
+
+
+def _references(function: FunctionType) -> Iterator[tuple[str, object]]:
+    """Names and values a function refers to outside itself: globals, attributes of modules, enclosing variables."""
+    names = sorted({name for code in _codes(function.__code__) for name in code.co_names})
+    for name in names:
+        if name in function.__globals__:
+            value = function.__globals__[name]
+            yield name, value
+            if isinstance(value, ModuleType) and value.__name__.startswith("reference_impl"):
+                yield from ((other, getattr(value, other)) for other in names if hasattr(value, other))
+    for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
+        yield name, cell.cell_contents
+
+
+def _said(value: object) -> str:
+    """What tells a constant from another one of its kind; functions and modules by name."""
+    if isinstance(value, np.ndarray):
+        return f"{value.dtype.str}{value.shape}{value.tobytes().hex()}"
+    return getattr(value, "__qualname__", None) or getattr(value, "__name__", None) or repr(value)
 
 
 @kernel

@@ -1,0 +1,88 @@
+"""Compiled code is kept exactly as long as nothing it depends on has changed."""
+
+import math
+
+import numpy as np
+import pytest
+
+from reference_impl import kernels
+from reference_impl.kernels import kernel, matrix
+
+compiled = pytest.mark.skipif(not isinstance(matrix, kernels.Kernel), reason="NUMBA_DISABLE_JIT")
+ANGLE = math.pi / 3.0
+
+
+@kernel
+def inner(x):
+    """Twice x."""
+    return 2.0 * x
+
+
+@kernel
+def outer(x):
+    """Four times x, turned."""
+    return inner(inner(x)) * math.cos(ANGLE)
+
+
+def scaled(factor):
+    """Kernels that differ in a constant alone."""
+
+    @kernel
+    def times(x):
+        return factor * x
+
+    return times
+
+
+def changed(function, **names):
+    """The same function among other globals."""
+    return kernels.Kernel(type(function.function)(function.function.__code__, {**globals(), **names}, "outer"))
+
+
+def test_kernels_call_kernels():
+    assert outer(1.0) == pytest.approx(2.0)
+    assert scaled(3.0)(2.0) == 6.0
+    assert scaled(4.0)(2.0) == 8.0
+
+
+def test_a_kernel_keeps_its_name_and_words():
+    assert matrix.__name__ == "matrix"
+    assert "Rotation matrix" in matrix.__doc__
+
+
+@compiled
+def test_the_stamp_depends_on_everything_a_kernel_refers_to():
+    same = outer.stamp()
+    assert outer.stamp() == same
+    assert changed(outer).stamp() == same
+    assert changed(outer, inner=scaled(2.0)).stamp() != same
+    assert changed(outer, ANGLE=0.0).stamp() != same
+    assert changed(outer, ANGLE=np.zeros(3)).stamp() != changed(outer, ANGLE=np.ones(3)).stamp()
+    assert scaled(2.0).stamp() != scaled(3.0).stamp()
+    assert scaled(2.0).stamp() == scaled(2.0).stamp()
+
+
+@compiled
+def test_the_stamp_sees_through_modules():
+    def far(x):
+        return kernels.norm(x)
+
+    here = kernels.Kernel(far)
+    before = here.stamp()
+    kept = kernels.norm
+    try:
+        kernels.norm = inner
+        assert here.stamp() != before
+    finally:
+        kernels.norm = kept
+    assert here.stamp() == before
+
+
+@compiled
+def test_products_of_matrices_still_compile_in_the_same_process():
+    """Loading kernels leaves out numba's search for BLAS; who needs it must find it all the same."""
+    from numba import njit
+
+    matrix(np.array([1.0, 0.0, 0.0, 0.0]))
+    product = njit(lambda a, b: a @ b)
+    assert np.array_equal(product(np.eye(2), np.full((2, 2), 3.0)), np.full((2, 2), 3.0))
