@@ -125,7 +125,8 @@ class SquareProgram:
 
     def _pose(self, a: np.ndarray, b: np.ndarray) -> None:
         if self._problem is not None:
-            self._problem.update_settings(polishing=False)
+            if self._problem.settings.polishing:
+                self._problem.update_settings(polishing=False)
             self._problem.update(Px=a[self._upper], q=b)
             return
         from scipy import sparse

@@ -34,6 +34,7 @@ from reference_impl.effects.impact import Collision, sequential
 from reference_impl.effects.resting import Island, Problem, islands
 from reference_impl.errors import MissingEffect, Stalled, Unsupported
 from reference_impl.fixed_step import Stepped, pull_of, runge_kutta4, size_of
+from reference_impl.kernels import cross, kernel
 from reference_impl.world import Collided, Held
 
 TOLERANCE = 1e-6  # overlap that counts as penetration [size of the smallest body]
@@ -80,9 +81,10 @@ class LectureWorld(Stepped):
             resting = self.resting(contacts)
             known = self.penetrations(self.y)
             after = self.ode(resting, end)
-            if not self.penetrations(after).keys() - known.keys():
+            overlaps = self.penetrations(after)
+            if not overlaps.keys() - known.keys():
                 self.y, self.t = after, end
-                self.audit.gap = min(self.audit.gap, *self.penetrations(after).values(), 0.0)
+                self.audit.gap = min(self.audit.gap, *overlaps.values(), 0.0)
                 return
             self.bisect(resting, known, end, after)
             if self.t == end:
@@ -106,10 +108,7 @@ class LectureWorld(Stepped):
             f = self.contact_forces(problem)
             self.require_resting(island, f)
             self.pushing.append((island, problem, f))
-            push = f[:, None] * problem.k.normal
-            for i, on_i in ((island.contacts.kinds[:, 0], push), (island.contacts.kinds[:, 1], -push)):
-                np.add.at(force, i, on_i)
-                np.add.at(torque, i, np.cross(problem.k.point - pose.x[i], on_i))
+            _press(island.contacts.kinds, problem.k.normal, problem.k.point, f, pose.x, force, torque)
         return self.flow(y, pose, force, torque)
 
     # time of contact
@@ -209,8 +208,10 @@ class LectureWorld(Stepped):
         """
         length = np.sqrt(np.einsum("ij,ij->i", problem.g, problem.g))
         g, least = problem.g / length[:, None], problem.least / length
-        program = self.programs.setdefault(len(least), SquareProgram(len(least)))
-        f = program.solve(g, problem.free, least)
+        m = len(least)
+        if m not in self.programs:
+            self.programs[m] = SquareProgram(m)
+        f = self.programs[m].solve(g, problem.free, least)
         certificate = residual(g, problem.free, least, f) if np.isfinite(f).all() else np.inf
         if certificate > USABLE:
             raise Stalled(f"OSQP has no answer to A f + b of {len(f)} contacts (certificate {certificate:.3g})", self.t)
@@ -242,6 +243,22 @@ class LectureWorld(Stepped):
             )
             if push > 0.0
         ]
+
+
+@kernel
+def _press(kinds, normal, point, f, x, force, torque):
+    """Add the forces f along the normals of the contacts, and their torques, to the bodies a; against them to b."""
+    for k in range(len(f)):
+        for side in range(2):
+            i = kinds[k, side]
+            arm, push = np.empty(3), np.empty(3)
+            for c in range(3):
+                arm[c] = point[k, c] - x[i, c]
+                push[c] = f[k] * normal[k, c] if side == 0 else -f[k] * normal[k, c]
+                force[i, c] += push[c]
+            turn = cross(arm, push)
+            for c in range(3):
+                torque[i, c] += turn[c]
 
 
 def begin(scene: Scene, dt: float) -> LectureWorld:
