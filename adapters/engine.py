@@ -76,8 +76,8 @@ class Engine(Protocol):
     knobs : mapping
         What trades accuracy for time: name -> values, coarse to fine.  ``dt`` is a time step [s].
 
-    Optional names, read through the functions below: `defaults`, `profile`, `on_request`, `settle`, `lead`, `events`,
-    `contacts`, `close`.  `known` maps laws of `adapters.conformance` that the engine breaks to the
+    Optional names, read through the functions below: `defaults`, `profile`, `on_request`, `sample`, `settle`, `lead`,
+    `events`, `contacts`, `close`.  `known` maps laws of `adapters.conformance` that the engine breaks to the
     reason; `repeats` = False says that it does not repeat itself bit for bit.
     """
 
@@ -139,6 +139,11 @@ def settled(engine: Engine, settings: Settings, scene: Scene) -> Settings:
 def on_request(engine: Engine) -> bool:
     """Whether the engine runs only when it is asked for by name: a variant of another one, for comparison."""
     return bool(getattr(engine, "on_request", False))
+
+
+def sample(engine: Engine) -> str:
+    """The suite on which an engine that runs on request runs all the same, as a baseline; "" for none."""
+    return str(getattr(engine, "sample", ""))
 
 
 def lead(engine: Engine, settings: Settings) -> float:

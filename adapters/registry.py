@@ -19,7 +19,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from adapters.engine import Engine, on_request
+from adapters.engine import Engine, on_request, sample
 from scenarios.catalogue import unknown
 
 GROUP = "plumbline.engines"
@@ -241,6 +241,21 @@ def select(patterns: Sequence[str] = ()) -> tuple[str, ...]:
         if (any(fnmatchcase(name, p) for p in wanted) if wanted else not _on_request(name))
         and not any(fnmatchcase(name, p) for p in barred)
     )
+
+
+def baselines(patterns: Sequence[str] = ()) -> dict[str, str]:
+    """Engines that run on request, but without it on one suite: their names and that suite's.
+
+    None if `patterns` say which engines are to run; a pattern with ``!`` in front leaves out.
+    """
+    if any(not p.startswith("!") for p in patterns):
+        return {}
+    barred = [p.removeprefix("!") for p in patterns]
+    found = {}
+    for name in names():
+        if _on_request(name) and not any(fnmatchcase(name, p) for p in barred) and (suite := sample(engine(name))):
+            found[name] = suite
+    return found
 
 
 def _on_request(name: str) -> bool:

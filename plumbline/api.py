@@ -102,7 +102,8 @@ def run(
     scenarios : scenarios, names of suites, selectors or files
         Selectors are names, globs, or ``name[parameter=value]``; files are scenes in TOML or Python.
     engines : names or globs, optional
-        ``!`` in front leaves out.  Without any: every registered engine and profile.
+        ``!`` in front leaves out.  Without any: every registered engine and profile but those that run on
+        request, of which some run on the scenarios of one suite all the same.
     settings : mapping, optional
         Knob, or ``engine.knob``, -> a value or a sequence of values, each of which is run.
     out : path, optional
@@ -124,10 +125,11 @@ def run(
 
     asked = [scenarios] if isinstance(scenarios, (str, Scenario)) else list(scenarios)
     chosen = tuple({s.name: s for item in asked for s in _scenarios(item)}.values())
-    names = registry.select([engines] if isinstance(engines, str) else list(engines or ()))
+    patterns = [engines] if isinstance(engines, str) else list(engines or ())
+    names, baselines = registry.select(patterns), registry.baselines(patterns)
     options = Options(jobs, repeats, timeout, budget, memory, rerun)
     results = Execution(
-        jobs=plan(chosen, names, settings),
+        jobs=plan(chosen, names, settings, baselines=baselines),
         folder=Path(out) if out is not None else Path("runs") / new_id(),
         title=", ".join(item if isinstance(item, str) else item.name for item in asked),
         command=f"plumbline.run({[s.name for s in chosen]!r}, engines={list(names)!r})",

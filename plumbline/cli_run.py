@@ -164,7 +164,8 @@ def planned(asked: dict[str, Any]) -> tuple[Job, ...]:
         elif asked["duration"] or asked["sampling"]:
             raise ValueError("--duration and --sampling are for scenes in TOML; a scenario says its own")
         scenarios = choose(what, asked["selectors"], asked["tags"], asked["duration"], asked["sampling"])
-        return plan(scenarios, registry.select(asked["engines"]), read_settings(asked["settings"]), own)
+        engines, baselines = registry.select(asked["engines"]), registry.baselines(asked["engines"])
+        return plan(scenarios, engines, read_settings(asked["settings"]), own, baselines)
 
 
 def planned_figures(asked: dict[str, Any]) -> tuple[tuple[Figure, ...], tuple[Job, ...]]:

@@ -164,7 +164,11 @@ def settings_of(engine: Engine, settings: Settings) -> tuple[dict[str, Knob], ..
 
 
 def plan(
-    scenarios: Sequence[Scenario], engines: Sequence[str], settings: Settings | None = None, own_file: str = ""
+    scenarios: Sequence[Scenario],
+    engines: Sequence[str],
+    settings: Settings | None = None,
+    own_file: str = "",
+    baselines: Mapping[str, str] | None = None,
 ) -> tuple[Job, ...]:
     """The jobs, scenario by scenario; an engine that cannot be had is a job, too, and says so.
 
@@ -174,6 +178,8 @@ def plan(
         Names.
     own_file : str
         Words of the command line that bring the scenarios if the catalogue does not have them.
+    baselines : mapping, optional
+        Engines that run besides, on the scenarios of one suite each: name -> suite.
 
     Raises
     ------
@@ -181,13 +187,17 @@ def plan(
         For settings that are not possible, or about no engine of these.
     """
     settings = settings or {}
-    had: dict[str, Engine | registry.Unavailable] = {name: _engine(name) for name in engines}
+    besides = {name: {s.name for s in catalogue.suite(suite)} for name, suite in (baselines or {}).items()}
+    besides = {name: some for name, some in besides.items() if any(s.name in some for s in scenarios)}
+    had: dict[str, Engine | registry.Unavailable] = {name: _engine(name) for name in (*engines, *besides)}
     present = [e for e in had.values() if not isinstance(e, registry.Unavailable)]
     _check_used(settings, present)
     choices = {e.name: settings_of(e, settings) for e in present}
     jobs = []
     for scenario in scenarios:
         for name, engine in had.items():
+            if name in besides and scenario.name not in besides[name]:
+                continue
             if isinstance(engine, registry.Unavailable):
                 key = cell_key(scenario.name, scenario.version, name, "", {})
                 jobs.append(Job(key, scenario, name, "", {}, reproduce(scenario, name, {}, own_file), engine))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from comparisons.cell import Campaign, Cell
@@ -100,8 +100,16 @@ def matrix(campaign: Campaign) -> Matrix:
             )
         checks = description(campaign, scenario)["checks"]
         rows.append(Row(scenario, _decides(decisive, checks), max(len(checks) - 1, 0), tuple(entries)))
-    footnotes = (f"{', '.join(names)}: {text}" for text, names in notes.items())
-    return Matrix(tuple(order), tuple(rows), tuple(footnotes))
+    footnotes = [f"{', '.join(names)}: {text}" for text, names in notes.items()]
+    return Matrix(tuple(order), tuple(rows), (*footnotes, *_partly(order, rows)))
+
+
+def _partly(order: Sequence[str], rows: Sequence[Row]) -> Iterator[str]:
+    """One sentence for every engine that ran on some of the scenarios only."""
+    for k, engine in enumerate(order):
+        present = sum(row.entries[k] is not None for row in rows)
+        if present < len(rows):
+            yield f"{engine}: run on {present} of {len(rows)} scenarios; on the others when asked for by name"
 
 
 def _numbered(notes: dict[str, list[str]], text: str, engine: str) -> int | None:

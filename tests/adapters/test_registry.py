@@ -130,3 +130,11 @@ def test_install_lines_say_when_the_python_is_too_new(monkeypatch):
 def test_install_lines_of_strangers_name_the_module():
     assert registry.install_line("warp", "no-such-distribution") == "pip install warp"
     assert registry.install_line("warp", "") == "pip install warp"
+
+
+def test_baselines_run_on_one_suite_unless_engines_are_named():
+    assert registry.baselines() == {"reference:lecture": "smoke"}
+    assert registry.baselines(["!pymunk*"]) == {"reference:lecture": "smoke"}
+    assert registry.baselines(["!*:lecture"]) == {}
+    assert registry.baselines(["reference*"]) == {}
+    assert "reference:lecture" not in registry.select([])

@@ -138,3 +138,15 @@ def test_a_description_holds_what_a_reader_needs():
 
 def test_unknown_names_are_value_errors():
     assert issubclass(UnknownName, ValueError)
+
+
+def test_a_baseline_runs_on_the_scenarios_of_its_suite_only():
+    scenarios = (*catalogue.find("bouncing-ball"), *catalogue.find("incline[]"))
+    jobs = plan.plan(scenarios, ["reference"], baselines={"reference:lecture": "smoke"})
+    told = {(job.scenario.name, job.engine) for job in jobs}
+    smoke = {s.name for s in catalogue.suite("smoke")}
+    beside = {scenario for scenario, engine in told if engine == "reference:lecture"}
+    assert beside == smoke & {s.name for s in scenarios} != set()
+    assert {scenario for scenario, engine in told if engine == "reference"} == {s.name for s in scenarios}
+    none = plan.plan(catalogue.find("incline[]"), ["reference"], baselines={"reference:lecture": "smoke"})
+    assert {job.engine for job in none} == {"reference"}
