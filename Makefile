@@ -1,23 +1,28 @@
 # `make report`  set up everything and run the standard suite (SUITE=smoke for the short one)
-# `make test`    set up everything and run the whole test suite
+# `make test`    set up everything and run the whole test suite (JOBS=4 for four processes)
+# `make bench`   measure what the reference engine promises and enter it in docs/benchmarks.md
 # Needs Python 3.11 or newer with pip and venv; PyBullet has wheels up to Python 3.11 and is left out beyond it.
 
 PYTHON ?= $(firstword $(shell command -v python3.11) $(shell command -v python3) python)
 SUITE ?= standard
+JOBS ?= 2
 VENV := .venv
 BIN := $(VENV)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable
 
-.PHONY: report test test-browser lint clean
+.PHONY: report test test-browser bench lint clean
 
 report: $(VENV)/.engines
 	$(BIN)/plumbline run $(SUITE) --fail-on harness
 
 test: $(VENV)/.test
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadscope
 
 test-browser: $(VENV)/.test
 	$(BIN)/python -m pytest -m browser
+
+bench: $(VENV)/.test
+	$(BIN)/python -m benchmarks --write
 
 lint: $(VENV)/.test
 	$(INSTALL) '.[dev]'

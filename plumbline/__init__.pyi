@@ -1,7 +1,6 @@
 """The public names, for type checkers; `__init__.py` imports them when they are used."""
 
 from adapters.conformance import check_engine
-
 from adapters.engine import ContactForce, Engine, Impact, Refusal
 from adapters.registry import NotInstalled, Unavailable
 from adapters.run import Failure, Run
