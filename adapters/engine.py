@@ -102,7 +102,9 @@ class Engine(Protocol):
 def defaults(engine: Engine) -> dict[str, Knob]:
     """Knob settings a run uses when nobody asks for others; the middle of each ladder where the engine names none."""
     named = getattr(engine, "defaults", {})
-    return {name: named.get(name, ladder[len(ladder) // 2]) for name, ladder in engine.knobs.items()}
+    chosen = {name: named.get(name, ladder[len(ladder) // 2]) for name, ladder in engine.knobs.items()}
+    # 4 and 4.0 are one setting, and a cell is known by its settings
+    return {name: value if isinstance(value, str) else float(value) for name, value in chosen.items()}
 
 
 def checked_settings(engine: Engine, settings: Settings | None) -> dict[str, Knob]:

@@ -6,6 +6,7 @@ from importlib import metadata
 import pytest
 
 from adapters import registry
+from adapters.engine import checked_settings, defaults
 from scenarios.catalogue import UnknownName
 
 HOUSE = {"reference", "pybullet", "mujoco", "pymunk"}
@@ -138,3 +139,10 @@ def test_baselines_run_on_one_suite_unless_engines_are_named():
     assert registry.baselines(["!*:lecture"]) == {}
     assert registry.baselines(["reference*"]) == {}
     assert "reference:lecture" not in registry.select([])
+
+
+def test_a_default_is_the_same_setting_whether_it_is_named_or_not():
+    for name in registry.names():
+        had = registry.engine(name)
+        again = checked_settings(had, defaults(had))
+        assert {k: repr(v) for k, v in again.items()} == {k: repr(v) for k, v in defaults(had).items()}
