@@ -15,10 +15,11 @@ from benchmarks.truths import DIGITS, agreed, tumble, tumble_closed
 from mechanics.effects import Gravity, Resting, Restitution, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
+from reference_impl.advancement import approach_plane
+from reference_impl.collide.primitives import corner
 from reference_impl.integrators import free_flight
 from reference_impl.kernels import apply, cross, kernel, matrix
 from reference_impl.state import bodies_of, motion_of
-from reference_impl.time_of_contact import approach_plane
 
 SIZE, SPIN, CLEARANCE, G = (0.4, 0.6, 1.0), (5.0, 2.0, 3.0), 2.0, 9.81  # moments fall from axis 1 to axis 3
 FAST, SLOW = 60.0, 4.0  # scale of the spins [rad/s]
@@ -119,7 +120,10 @@ def _search(x, q, momentum, inverse, quickness, unevenness, half, times, evaluat
     normal = np.array([0.0, 0.0, 1.0])
     xs, qs, bounds = np.zeros((17, 3)), np.zeros((17, 4)), np.zeros(6)
     rest, still = np.zeros((17, 3)), np.zeros(6)
+    corners = np.empty((8, 3))
     for k in range(len(x)):
+        for j in range(8):
+            corner(half[k], j, corners[j])
         t, place, speed, turn = 0.0, x[k].copy(), np.zeros(3), q[k].copy()
         evaluations[k] = 0
         while True:
@@ -139,7 +143,7 @@ def _search(x, q, momentum, inverse, quickness, unevenness, half, times, evaluat
                 bounds,
             )
             found, state, count = approach_plane(
-                t, t + span, t, xs, qs, half[k], 0.0, bounds, 0.0, rest, normal, still, 1e-12, 1e-12, False, 1e-9, 1e-9
+                t, t + span, t, xs, qs, corners, 0.0, bounds, 0.0, rest, normal, still, 1e-12, 1e-12, False, 1e-9, 1e-9
             )
             evaluations[k] += count
             if state == 1:

@@ -166,16 +166,17 @@ def _travel(kind, reals, n, xa, ra, va, wa, xb, rb, vb, wb):
         square = dot(crossed, crossed)
         s, t = dot(cross(b, crossed), r) / -square, dot(cross(crossed, a), r) / square
         scale = dot(cross(n, a), b)
-        near = np.empty(3)
-        for c in range(3):
-            near[c] = dr[c] + s * da[c] - t * db[c]
-        dt = dot(cross(n, a), near) / scale
         # n is perpendicular to both: n' = -(n·a') pa - (n·b') pb in the dual basis of (a, b)
         na, nb = dot(n, da) / scale, dot(n, db) / scale
-        wide = reals[12] - reals[13]
         pa, pb = cross(b, n), cross(n, a)
+        wide, core = reals[12] - reals[13], dot(n, r)
+        near, dn = np.empty(3), np.empty(3)
         for c in range(3):
-            out[c] = vb[c] + spin_b[c] + dt * b[c] + t * db[c] - wide * (na * pa[c] + nb * pb[c])
+            dn[c] = -na * pa[c] - nb * pb[c]
+            near[c] = dr[c] + s * da[c] - t * db[c] - core * dn[c]
+        dt = dot(pb, near) / scale
+        for c in range(3):
+            out[c] = vb[c] + spin_b[c] + dt * b[c] + t * db[c] + wide * dn[c]
         return out
     if kind == RIM:
         return rim_travel(reals, ra, wa, rb, wb, va, spin_a, n)
