@@ -20,7 +20,7 @@ import math
 import numpy as np
 
 from reference_impl.integrators import where
-from reference_impl.kernels import angular_velocity, apply, cross, dot, kernel, matrix, norm
+from reference_impl.kernels import angular_velocity, apply_transposed, cross, dot, kernel, matrix, norm
 
 CLEAR, HIT, TIRED = 0, 1, 2
 EVALUATIONS = 5000  # of one call; a search that needs more goes on in the next call
@@ -77,10 +77,13 @@ def safe(base, drift, fa, da, fb, db, k, tolerance, speed, mask, out):
 @kernel
 def shadow(corners, rotation, w, n, dn, f, df):
     """Corners along n, relative to the body's centre, and how fast that changes."""
+    turn = cross(n, w)  # n·(ω × r) = (n × ω)·r
+    for c in range(3):
+        turn[c] += dn[c]
+    along, change = apply_transposed(rotation, n), apply_transposed(rotation, turn)
     for i in range(len(corners)):
-        arm = apply(rotation, corners[i])
-        f[i] = dot(n, arm)
-        df[i] = dot(n, cross(w, arm)) + dot(dn, arm)
+        f[i] = dot(along, corners[i])
+        df[i] = dot(change, corners[i])
 
 
 @kernel
