@@ -14,15 +14,18 @@ from mechanics.rotation import IDENTITY, matrix, unrotate
 from scenarios import rocking_block as rocking
 from scenarios import toppling_box as toppling
 from scenarios.block_on_plank import LIGHT, driven, together
+from scenarios.block_on_wedge import accelerations as wedge_accelerations
 from scenarios.catalogue import families
 from scenarios.conveyor import carried
 from scenarios.corner_drop import corner_impact
 from scenarios.eccentric_impact import ARM, corner_blow
 from scenarios.eccentric_impact import SPIN as CORNER_SPIN
 from scenarios.eccentric_impact import VELOCITY as CORNER_VELOCITY
+from scenarios.falling_rod import floor_rate, floor_time, leaves_wall
 from scenarios.free_rotation import free_rotation
 from scenarios.impact_laws import sequential, simultaneous
 from scenarios.incline import slide
+from scenarios.leaning_ladder import least_angle, wall_force
 from scenarios.loaded_box import interfaces, overhang, support
 from scenarios.off_the_sphere import flight_to_centre, leaving_cosine
 from scenarios.rocking_block import halves
@@ -271,6 +274,26 @@ def rocking_block():
             "next_amplitude": second.tilt}  # fmt: skip
 
 
+def block_on_wedge():
+    back, along, push = wedge_accelerations(math.radians(30.0))
+    return {"A_wedge": back, "a_rel": along, "N": push}
+
+
+def ladder_on_a_wall():
+    push = wall_force(math.radians(65.0), 0.0)
+    smooth, rough = (math.degrees(least_angle(0.4, mu)) for mu in (0.0, 0.3))
+    return {"min_angle_smooth_wall_deg": smooth, "min_angle_rough_wall_deg": rough, "wall_force_smooth_at_th": push,
+            "mu_needed_at_th": push / (10.0 * GRAVITY)}  # fmt: skip
+
+
+def falling_rods():
+    start = math.radians(20.0)
+    spin, time = floor_rate(start, 0.0, 0.5 * math.pi), floor_time(start, 0.5 * math.pi)
+    angle, rate, speed = leaves_wall(start)
+    return {"a_w_at_floor": spin, "a_time_to_floor": time, "a_com_speed_at_floor": 0.5 * spin,
+            "c_leave_cos": math.cos(angle), "c_leave_w": rate, "c_final_vx": speed}  # fmt: skip
+
+
 ENTRIES: dict[str, Callable[[], Numbers]] = {
     "D01": block_thrown_up_a_slope,
     "D01-stops": block_thrown_down_a_slope,
@@ -302,6 +325,9 @@ ENTRIES: dict[str, Callable[[], Numbers]] = {
     "G04": box_on_its_corner,
     "G05": flat_landing,
     "G06": rocking_block,
+    "D13": block_on_wedge,
+    "F04": ladder_on_a_wall,
+    "G09": falling_rods,
 }
 
 
