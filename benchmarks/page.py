@@ -31,7 +31,7 @@ def show(row: Row, console: Any) -> None:
     table = Table(
         title=Text(f"{row.name}: {row.subject}", style="bold"), title_justify="left", box=None, pad_edge=False
     )
-    table.add_column("", no_wrap=True)
+    table.add_column("", overflow="fold")
     table.add_column("measured", justify="right", no_wrap=True)
     table.add_column("promised", justify="right", no_wrap=True)
     table.add_column("")

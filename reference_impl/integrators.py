@@ -18,6 +18,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from reference_impl import dormand_prince
 from reference_impl.kernels import angular_velocity, apply, apply_transposed, dot, kernel, matrix, norm, spin, turned
 from reference_impl.state import ORDER
 
@@ -233,15 +234,11 @@ def _quintic(h, p0, d0, s0, p1, d1, s1, out):
 class RungeKutta8:
     """Dormand and Prince's explicit method of order 8 with Hairer's error estimate of orders 5 and 3.
 
-    Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (1993), section II.10.  The
-    coefficients are SciPy's.
+    Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (1993), section II.10.
     """
 
-    def __init__(self) -> None:
-        from scipy.integrate import DOP853
-
-        self.a, self.b, self.c = DOP853.A, DOP853.B, DOP853.C
-        self.e3, self.e5 = DOP853.E3, DOP853.E5
+    a, b, c = dormand_prince.A, dormand_prince.B, dormand_prince.C
+    e3, e5 = dormand_prince.E3, dormand_prince.E5
 
     def step(
         self, rate: Callable[[float, np.ndarray], np.ndarray], t: float, y: np.ndarray, h: float, first: np.ndarray
