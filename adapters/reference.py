@@ -21,14 +21,17 @@ from typing import TYPE_CHECKING, Any
 
 from adapters.engine import BadScene, ContactForce, Diverged, Impact, Knob, Refusal, Settings
 from adapters.translate import TIME_STEPS
-from mechanics.effects import Drag, Effect, Force, Friction, Gravity, Resting, Restitution, Rotation
+from mechanics.effects import (
+    Drag, Effect, Force, Friction, Gravity, Hinge, Resting, Restitution, Rod, Rotation, Spring, Tether,
+)  # fmt: skip
 from mechanics.scene import Scene
 from mechanics.trajectory import State
 
 if TYPE_CHECKING:
     from reference_impl.world import Held
 
-EFFECTS = (Gravity, Rotation, Drag, Force, Restitution, Friction, Resting)
+EFFECTS: tuple[type[Effect], ...] = (Gravity, Rotation, Drag, Force, Restitution, Friction, Resting)
+LINKS: tuple[type[Effect], ...] = (Rod, Hinge, Spring, Tether)
 
 
 @dataclass
@@ -51,12 +54,15 @@ class Profile(ABC):
     defaults: Mapping[str, Knob]
     profile: Mapping[str, str] = {}
     table: str  # name in `reference_impl.assemble`
+    kinds: tuple[type[Effect], ...] = EFFECTS  # what stands in it
     remarks: Mapping[type[Effect], str] = {}  # what is approximated
 
     def __init__(self, name: str) -> None:
         self.name = name
         self.on_request = name != "reference"  # the other methods are there to be compared with it
-        self.effects: dict[type[Effect], Callable[[Draft, Any], str | None]] = dict.fromkeys(EFFECTS, self._switch_on)
+        self.effects: dict[type[Effect], Callable[[Draft, Any], str | None]] = dict.fromkeys(
+            self.kinds, self._switch_on
+        )
 
     @cached_property
     def version(self) -> str:
@@ -144,6 +150,7 @@ class Reference(Profile):
         "solver": ("pgs", "lemke", "osqp_dual", "osqp", "dantzig", "nnls", "auto"),
     }
     table = "IMPULSES"
+    kinds = EFFECTS + LINKS
     events = _events
 
     def __init__(self, name: str, impact_law: str) -> None:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from mechanics.effects import Drag, Effect, Force, Friction, Gravity, Resting, Restitution, Rotation
+from mechanics.effects import (
+    Drag, Effect, Force, Friction, Gravity, Hinge, Resting, Restitution, Rod, Rotation, Spring, Tether,
+)  # fmt: skip
 from mechanics.scene import Scene
-from reference_impl.effects import drag, force, friction, gravity, penalty, rotation
+from reference_impl.effects import drag, force, friction, gravity, joint, penalty, rotation, spring, tether
 from reference_impl.errors import Unsupported
 from reference_impl.parts import Law, Parts
 
@@ -21,6 +23,10 @@ IMPULSES: Table = {
     Restitution: lambda scene, effect: Parts(law=Law(touching=True, restitution=effect)),
     Friction: friction.parts,
     Resting: lambda scene, effect: Parts(law=Law(touching=True, resting=True)),
+    Rod: joint.rod,
+    Hinge: joint.hinge,
+    Spring: spring.parts,
+    Tether: tether.parts,
 }
 
 # with contact as a load, and as the lecture has it: listed one by one, because what the events of `simulate` learn

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mechanics.effects import Drag, Effect, Force, Friction, Gravity, Resting, Restitution, Rotation
+from mechanics.effects import (
+    Drag, Effect, Force, Friction, Gravity, Hinge, Resting, Restitution, Rod, Rotation, Tether,
+)  # fmt: skip
 from reference_impl.kernels import cross, dot, kernel, matrix, norm, spin
 
 if TYPE_CHECKING:
@@ -20,7 +22,9 @@ CHATTER = 500  # changes of a body's contacts within a time scale that are too m
 AGAIN = 1e-6  # lasting contact that changes again within this time may chatter [time scale]
 
 # effects whose work on a body follows from its position and attitude, or which only take energy
-KNOWN_WORK: tuple[type[Effect], ...] = (Gravity, Rotation, Drag, Force, Restitution, Friction, Resting)
+KNOWN_WORK: tuple[type[Effect], ...] = (
+    Gravity, Rotation, Drag, Force, Restitution, Friction, Resting, Rod, Hinge, Tether,
+)  # fmt: skip
 
 
 def knows_work(scene: Scene) -> bool:
@@ -108,7 +112,7 @@ def imbalance(
     kinds, point, impulses : arrays
         Bodies (m, 2 or more), points (m, 3) [m] and impulses on the first of both bodies (m, 3) [N s].
     v, momentum : (n, 3) arrays
-        Velocities and angular momenta of all bodies before.
+        Velocities and angular momenta of all bodies before.  Joints have not taken their part yet.
     """
     m, b = world.motion, world.bodies
     turning = bool((b.quickness[members] > 0.0).all())

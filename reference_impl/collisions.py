@@ -15,6 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from reference_impl.audit import chatters, imbalance
+from reference_impl.collide.features import CORD
 from reference_impl.contact_problem import NoSolution
 from reference_impl.effects.impact import LAWS, Collision, in_turn
 from reference_impl.effects.resting import Island, Problem
@@ -52,7 +53,8 @@ def collide(world: World, island: Island, problem: Problem) -> None:
             outcome = (law if world.settings.restitution == "newton" else in_turn)(collision)
             impulses, along = outcome.impulses[:, 0], np.einsum("ij,ijk->ik", outcome.impulses[:, 1:], tangents)
         else:
-            drift = problem.k.rate - problem.g @ problem.motion if world.moving else np.zeros(len(mu))
+            carried = world.moving or problem.space is not None
+            drift = problem.k.rate - problem.g @ problem.motion if carried else np.zeros(len(mu))
             outcome = law(Collision(problem.g, problem.motion, drift, e, world.search.speed, world.audit.certified))
             impulses, along = outcome.impulses, np.zeros((len(mu), 3))
     except NoSolution as error:
@@ -66,11 +68,13 @@ def collide(world: World, island: Island, problem: Problem) -> None:
         audit.imbalance,
         imbalance(world, island.bodies, island.contacts.kinds, problem.k.point, whole, v, momentum),
     )
+    island.hold(world.motion, world.bodies)  # joints take their part
 
 
 def _require_restitution(world: World, island: Island, problem: Problem) -> None:
-    worst = int(np.argmin(problem.k.rate))
-    speed = -float(problem.k.rate[worst])
+    rate = np.where(island.contacts.pairs < world.detector.solid, problem.k.rate, 0.0)  # tethers have their own
+    worst = int(np.argmin(rate))
+    speed = -float(rate[worst])
     if world.parts.law.restitution is None and speed > world.search.parting:
         a, b = island.contacts.kinds[worst, :2].tolist()
         raise MissingEffect("Restitution", world.names(a, b), world.t, f"bodies collide at {speed:.6g} m/s")
@@ -78,10 +82,9 @@ def _require_restitution(world: World, island: Island, problem: Problem) -> None
 
 def _restitution(world: World, island: Island, problem: Problem) -> Callable[[np.ndarray], np.ndarray]:
     """Coefficient of restitution of each contact when struck at normal velocities u (m,)."""
-    law, kinds = world.parts.law, island.contacts.kinds
-    e = np.zeros(len(kinds))
-    if law.restitution is not None and not chatters(world, island.bodies):
-        e[:] = [law.restitution.of(*world.names(a, b)) for a, b in kinds[:, :2].tolist()]
+    e = world.restitution(island.contacts)
+    if chatters(world, island.bodies):
+        e[:] = 0.0
     closing, by_itself = problem.closing(), alone(problem.g)
     limit = (ACCUMULATION_ALONE if by_itself else ACCUMULATION) * world.scales.time
 
@@ -106,7 +109,8 @@ def _exchange(world: World, island: Island, problem: Problem, impulses: np.ndarr
         n, point = k.normal[row], k.point[row]
         for sign, i in zip((p, -p), ends, strict=True):
             m.v[i] += sign * b.inverse_mass[i] * n
-            if b.quickness[i] > 0.0 and b.radius[i] == 0.0:  # at a sphere the normal passes through the centre
+            central = b.radius[i] > 0.0 and island.contacts.kinds[row, 2] != CORD  # the normal of a sphere
+            if b.quickness[i] > 0.0 and not central:
                 m.L[i] += sign * cross(point - m.x[i], n)
         world.events.append(Collided(world.t, ends[0], ends[1], tuple(point.tolist()), tuple(n.tolist()), p))
         world.audit.impacts += 1

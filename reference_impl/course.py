@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 EVEN = 1e-15  # distance from its polynomials at which a motion is theirs [size of the coordinates]
 SAFETY = 1.5  # on bounds of the accelerations within a step, which are sampled at its stages
+SWING = 0.1  # part of the tolerance for bodies that swing, whose errors add up with nothing that takes them out again
+EPS = float(np.finfo(np.float64).eps)
 WIDTH = 13  # numbers of one body in a state: position, quaternion, velocity, angular momentum
 
 
@@ -60,12 +62,11 @@ class Course:
         self.new, self.stages = self.y, np.empty((WIDTH, 0))
         self.q = m.q.copy()
         self.pose = Pose.of(m.x.copy(), m.q, m.v.copy(), m.L.copy(), self.bodies)
-        partners = {i for i in island.contacts.kinds[:, :2].ravel().tolist() if self.bodies.inverse_mass[i] == 0.0}
         own = self.bodies.inverse_mass == 0.0
         own[self.members] = True
         pairs = world.detector.pairs
         self.pairs = np.flatnonzero(own[pairs].all(axis=1) & np.isin(pairs, self.members).any(axis=1))
-        self.carriers = sorted(i for i in partners if world.moving)
+        self.carriers = island.carriers(self.bodies) if world.moving else []
         self.push, self.kept = p, p.kept
         # states of the contacts at the last evaluation, the guess for the next
         self.states: np.ndarray | None = None
@@ -131,7 +132,12 @@ class Course:
         momentum = s.speed * s.length / b.inverse_mass[self.members]
         out = np.empty((len(self.members), WIDTH))
         out[:, :3], out[:, 3:7], out[:, 7:10], out[:, 10:] = s.length, 1.0, s.speed, momentum[:, None]
-        return max(self.world.settings.tolerance, 100.0 * rounding(b, self.members)) * out.ravel()
+        tolerance, least = self.world.settings.tolerance, 100.0 * rounding(b, self.members)
+        if self.island.links is not None:
+            tolerance *= SWING
+            if not len(self.gap):  # forces of joints come from the factors alone: the root of the ratio
+                least = 10.0 * math.sqrt(EPS * rounding(b, self.members))
+        return max(tolerance, least) * out.ravel()
 
     def lay(self, end: float, new: np.ndarray, stages: np.ndarray) -> None:
         """Take this as the step, and give the bodies polynomials for it with bounds from its stages."""
@@ -171,6 +177,7 @@ class Course:
         m = self.world.motion
         if not self._even:
             self.show(self.carried(t)[0])
+            self.island.hold(m, self.bodies)
         else:
             _momenta(self.members, t, self.bodies.inertia, m.begin, m.x_series, m.q_series, m.L)
         self.states, self.kept, self.push = kept

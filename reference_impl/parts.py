@@ -1,20 +1,26 @@
 """What effects bring to the engine, and how the contributions of several effects are put together.
 
-loads   summed while they act
-law     what happens at a touch, put together field by field
-
-(Joints, which hold, and touches of taut cords have no part here yet.)
+loads     summed while they act; springs, whose pull follows the motion, are summed where the motion is known
+joints    rows that hold, stacked
+cords     touches that are no contact of shapes: the slack of a tether is its gap
+law       what happens at a touch, put together field by field
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mechanics.effects import Friction, Restitution
 from reference_impl.state import SPHERE, Bodies
+
+if TYPE_CHECKING:
+    from reference_impl.effects.joint import Joints
+    from reference_impl.effects.spring import Springs
+    from reference_impl.effects.tether import Cords
 
 
 @dataclass(frozen=True)
@@ -69,9 +75,18 @@ class Parts:
 
     loads: tuple[Load, ...] = ()
     law: Law = Law()
+    joints: tuple[Joints, ...] = ()
+    springs: tuple[Springs, ...] = ()
+    cords: tuple[Cords, ...] = ()
 
     def __add__(self, other: Parts) -> Parts:
-        return Parts(self.loads + other.loads, self.law | other.law)
+        return Parts(
+            self.loads + other.loads,
+            self.law | other.law,
+            self.joints + other.joints,
+            self.springs + other.springs,
+            self.cords + other.cords,
+        )
 
     def switches(self) -> list[float]:
         """Times at which a load begins or ends [s], in order."""

@@ -40,7 +40,11 @@ def rough_collision(
     tangents = frames(problem.k.normal, np.zeros((m, 3)) if model == "pyramid" else s.velocity)
     rows = rough(island, problem, pose, world.bodies, tangents, mu, np.zeros(m, dtype=np.bool_)).g.reshape(m, 3, -1)
     drift = np.zeros((m, 3))
-    if world.moving:
+    if problem.space is not None:  # rows of the motions that joints leave free
+        drift[:, 0] = problem.k.rate
+        drift[:, 1:] = np.einsum("ijk,ik->ij", tangents, s.velocity)
+        drift -= rows @ problem.motion
+    elif world.moving:
         drift[:, 0] = np.einsum("ij,ij->i", problem.k.normal, s.carried)
         drift[:, 1:] = np.einsum("ijk,ik->ij", tangents, s.carried)
     choices = (model, world.settings.sides, world.settings.restitution)

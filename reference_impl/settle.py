@@ -28,6 +28,7 @@ ROUNDING = 1e-13  # forces below this part of the scaled weight are none
 JAMS = 20  # impulses at one instant in place of forces
 REST_SPEED = 1e-10  # [speed scale]
 REST_ACCELERATION = 1e-9  # [speed scale / time scale]
+REST_TIED = 1e-13  # both, of bodies that swing: their rest is a place, and small motions about it are motions
 
 
 def settle(world: World) -> None:
@@ -43,8 +44,8 @@ def settle(world: World) -> None:
     contacts = _touching(world, cluster)
     before, lasted = audit.arrival(world, cluster), world.mode != FLYING
     _release(world, cluster)
-    for island in islands(contacts, world.bodies):
-        world.audit.events += 1
+    for island in islands(contacts, world.bodies, world.linked(cluster)):
+        world.audit.events += int(len(island.contacts.kinds) > 0)
         for _ in range(JAMS):
             if _settled(world, island):
                 break
@@ -75,18 +76,23 @@ def _touching(world: World, cluster: np.ndarray) -> Contacts:
     while True:
         rotation = Pose.now(world.motion, world.bodies).rotation
         contacts = world.detector.contacts(world.motion.x, rotation, cluster)
-        if not lasting.interrupt(world, cluster):
+        tied = world.links is not None and world.links.spread(cluster)
+        if not lasting.interrupt(world, cluster) and not tied:
             return contacts
 
 
 def _settled(world: World, island: Island) -> bool:
     """Whether the contacts that touch each other are dealt with; False if an impulse has taken the place of forces."""
     problem = island.problem(Pose.now(world.motion, world.bodies), world.bodies)
-    world.audit.gap = min(world.audit.gap, float(problem.k.gap.min()))
+    stuck = problem.stuck()
+    if stuck.any():  # contacts that joints hold need no force, and have no rate
+        island = island.part(~stuck)
+        problem = island.problem(Pose.now(world.motion, world.bodies), world.bodies)
+    world.audit.gap = min(world.audit.gap, float(problem.k.gap.min(initial=0.0)))
     if (problem.k.rate < -world.search.speed).any():
         collide(world, island, problem)
         problem = island.problem(Pose.now(world.motion, world.bodies), world.bodies)
-    return _hold(world, island.contacts.chosen(_resting(world, island, problem)))
+    return _hold(world, island.part(_resting(world, island, problem)))
 
 
 def _resting(world: World, island: Island, problem: Problem) -> np.ndarray:
@@ -100,15 +106,15 @@ def _resting(world: World, island: Island, problem: Problem) -> np.ndarray:
     return stays | (problem.k.rate <= 0.5 * problem.closing() * moment * world.scales.time)
 
 
-def _hold(world: World, stay: Contacts) -> bool:
-    """Put bodies with lasting contacts under contact forces, or to rest; False if an impulse was due instead.
+def _hold(world: World, stay: Island) -> bool:
+    """Put bodies with lasting contacts and joints under their forces, or to rest; False if an impulse was due instead.
 
     Raises
     ------
     MissingEffect
         If contact forces are needed and the scene declares no Resting.
     """
-    for island in islands(stay, world.bodies):
+    for island in islands(stay.contacts, world.bodies, stay.links):
         _stop_parting(world, island)
         pose = Pose.now(world.motion, world.bodies)
         problem = island.problem(pose, world.bodies)
@@ -142,7 +148,7 @@ def _hold(world: World, stay: Contacts) -> bool:
 
 def _guess(world: World, island: Island) -> np.ndarray:
     """Contacts that pushed a moment ago; if none of them did, all: of several splits of the load the most even one."""
-    known = np.array([_key(row) in world.pushing for row in island.contacts.kinds.tolist()])
+    known = np.array([_key(row) in world.pushing for row in island.contacts.kinds.tolist()], dtype=bool)
     return known if known.any() else ~known
 
 
@@ -155,6 +161,8 @@ def _record(
 ) -> None:
     """Keep the forces; what is rounding beside the weight of the bodies is no force."""
     k = problem.k
+    if not len(force):
+        return
     along = np.zeros((len(force), 3)) if friction is None else friction
     least = ROUNDING * float(np.abs(problem.free).max()) / float(np.sqrt((problem.g**2).sum(axis=1)).min())
     for row, f in enumerate(force.tolist()):
@@ -181,7 +189,8 @@ def _require_resting(world: World, island: Island, force: np.ndarray) -> None:
     weight = max(
         float(np.linalg.norm(world.bodies.acceleration[i]) / world.bodies.inverse_mass[i]) for i in island.bodies
     )
-    if force.max() > 1e-9 * weight:
+    force = np.where(island.contacts.pairs < world.detector.solid, force, 0.0)
+    if force.max(initial=0.0) > 1e-9 * weight:
         strongest = int(np.argmax(force))
         a, b = island.contacts.kinds[strongest, :2].tolist()
         raise MissingEffect("Resting", world.names(a, b), world.t, "bodies stay in contact")
@@ -190,13 +199,14 @@ def _require_resting(world: World, island: Island, force: np.ndarray) -> None:
 def _at_rest(world: World, island: Island, p: Push, pose: Pose) -> bool:
     """Whether nothing of the island moves or is about to, so that it stays as it is until something touches it."""
     b, s = world.bodies, world.scales
-    partners = {i for i in island.contacts.kinds[:, :2].ravel().tolist() if b.inverse_mass[i] == 0.0}
-    if any(not world.static(i) for i in partners):
+    if any(not world.static(i) for i in island.carriers(b)):
         return False
-    least = max(REST_ACCELERATION, 100.0 * rounding(b, island.bodies)) * s.speed / s.time
+    tied = island.links is not None
+    slow = REST_TIED if tied else REST_SPEED
+    least = max(REST_TIED if tied else REST_ACCELERATION, 100.0 * rounding(b, island.bodies)) * s.speed / s.time
     for at, i in enumerate(island.bodies.tolist()):
         reach = b.reach[i]
-        if np.linalg.norm(pose.v[i]) + reach * np.linalg.norm(pose.w[i]) > REST_SPEED * s.speed:
+        if np.linalg.norm(pose.v[i]) + reach * np.linalg.norm(pose.w[i]) > slow * s.speed:
             return False
         turn = reach * b.quickness[i] * np.linalg.norm(p.torque[at])
         if np.linalg.norm(p.acceleration[at]) + turn > least:

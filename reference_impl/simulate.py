@@ -24,7 +24,9 @@ from mechanics.trajectory import Trajectory
 from reference_impl import lasting
 from reference_impl.assemble import IMPULSES, Table, assemble
 from reference_impl.collide.detect import COARSE, Detector, Search, kinematics, rotations
+from reference_impl.effects import tether
 from reference_impl.errors import Overlap, Stalled
+from reference_impl.links import Links
 from reference_impl.settle import settle
 from reference_impl.state import Bodies, bodies_of, motion_of
 from reference_impl.world import Scales, Settings, World
@@ -76,8 +78,9 @@ def begin(scene: Scene, settings: Settings | None = None, table: Table = IMPULSE
         max(TOUCH, 10.0 * settings.tolerance) * scales.length, QUIET * scales.speed,
         PART * scales.speed, COARSE * scales.length,
     )  # fmt: skip
-    world = World(scene, settings, parts, bodies, unloaded, motion_of(scene, bodies), scales,
-                  Detector(scene, bodies, search), search)  # fmt: skip
+    detector = Detector(scene, bodies, search, tether.all_of(parts.cords))
+    links = Links.of(parts, bodies.inverse_mass > 0.0)
+    world = World(scene, settings, parts, bodies, unloaded, motion_of(scene, bodies), scales, detector, search, links)
     _refuse_overlap(world)
     for i in range(len(scene.bodies)):
         world.launch(i)
@@ -170,6 +173,7 @@ def _refuse_overlap(world: World) -> None:
         if depth > world.search.touch:
             raise Overlap((world.scene.names[a], world.scene.names[b]), depth, 0.0)
     contacts = world.detector.contacts(m.x, rotation, everything)
+    contacts = contacts.chosen(contacts.pairs < world.detector.solid)
     if len(contacts.kinds) == 0:
         return
     gap = kinematics(contacts, m.x, rotation, m.v, np.zeros_like(m.v)).gap

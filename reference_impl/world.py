@@ -11,7 +11,7 @@ import numpy as np
 from mechanics.scene import Scene
 from mechanics.trajectory import State
 from reference_impl.audit import knows_work
-from reference_impl.collide.detect import Detector, Search, rotations
+from reference_impl.collide.detect import Contacts, Detector, Search, rotations
 from reference_impl.contact_problem import SOLVERS, Kept
 from reference_impl.effects.impact import LAWS
 from reference_impl.effects.phases import HYPOTHESES
@@ -19,6 +19,7 @@ from reference_impl.errors import Stalled, Unsupported
 from reference_impl.friction_problem import MODELS
 from reference_impl.integrators import carry, driven_flight, driven_momentum, free_flight
 from reference_impl.kernels import spin
+from reference_impl.links import Links
 from reference_impl.parts import Parts
 from reference_impl.state import Bodies, Motion
 from reference_impl.time_of_contact import METHODS
@@ -142,6 +143,7 @@ class Audit:
     residual: float = 0.0  # certificate of the contact problems, relative
     friction_residual: float = 0.0  # of those with friction, at impacts
     gap: float = 0.0  # deepest overlap found at an event [m], <= 0
+    drift: float = 0.0  # worst gap of a joint after a step, relative to its size
     energy_rise: float = 0.0  # of an impact or a return to rest [J]; only where no fixed body moves
     step_rise: float = (
         0.0  # of kinetic energy and that of the loads between two of these [J]; where their work is known
@@ -174,6 +176,7 @@ class World:
     scales: Scales
     detector: Detector
     search: Search
+    links: Links | None  # joints and springs; None: there are none
     mode: np.ndarray = field(init=False)
     dirty: np.ndarray = field(init=False)  # bodies whose contacts must be looked at now
     clear: np.ndarray = field(init=False)  # (pairs,) until when each pair cannot touch [s]
@@ -216,7 +219,8 @@ class World:
         self.lasts = np.zeros(len(self.detector.pairs), dtype=bool)
         self.mu = np.zeros(len(self.detector.pairs))
         if self.parts.law.friction is not None:
-            self.mu[:] = [self.parts.law.friction.of(*self.names(a, b)) for a, b in self.detector.pairs.tolist()]
+            solid = self.detector.pairs[: self.detector.solid].tolist()
+            self.mu[: len(solid)] = [self.parts.law.friction.of(*self.names(a, b)) for a, b in solid]
 
     def report(self, what: str, *bodies: int) -> None:
         """Put something out of the ordinary on record."""
@@ -238,6 +242,20 @@ class World:
     def names(self, *bodies: int) -> tuple[str, ...]:
         """Names of bodies."""
         return tuple(self.scene.names[i] for i in bodies)
+
+    def restitution(self, contacts: Contacts) -> np.ndarray:
+        """Coefficient of restitution of each contact (m,); of a tether its own, zero where none is declared."""
+        law, solid, e = self.parts.law.restitution, self.detector.solid, np.zeros(len(contacts.kinds))
+        for row, (p, (a, b)) in enumerate(zip(contacts.pairs.tolist(), contacts.kinds[:, :2].tolist(), strict=True)):
+            if p >= solid:
+                e[row] = self.detector.cords.restitution[p - solid]
+            elif law is not None:
+                e[row] = law.of(*self.names(a, b))
+        return e
+
+    def linked(self, bodies: np.ndarray) -> Links | None:
+        """Joints and springs of the moving bodies among `bodies` (boolean); None if there are none."""
+        return None if self.links is None else self.links.within(bodies)
 
     def angular_velocities(self) -> np.ndarray:
         """World angular velocities (n, 3) [rad/s]."""

@@ -6,7 +6,7 @@ What a pair of shapes does is in `pairs`, one routine for each combination.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from reference_impl.collide.pairs import Pair, Shapes, pairs_of
 from reference_impl.kernels import matrix
 from reference_impl.state import Bodies, Motion
 from reference_impl.time_of_contact import BRACKETED, Bracket
+
+if TYPE_CHECKING:
+    from reference_impl.effects.tether import Cords
 
 COARSE = 1e-2  # gap at which the advancement leaves the rest to another method [smallest body size]
 DOUBLINGS = 8  # of the width of a bracket
@@ -102,10 +105,13 @@ class Detector:
         If bodies may touch whose shapes have no contact routine for each other.
     """
 
-    def __init__(self, scene: Scene, bodies: Bodies, search: Search) -> None:
-        self.search = search
+    def __init__(self, scene: Scene, bodies: Bodies, search: Search, cords: Cords) -> None:
+        self.search, self.cords = search, cords
         self.shapes = Shapes(scene, bodies)
-        self.routines, self.pairs = pairs_of(scene, self.shapes)
+        routines, pairs = pairs_of(scene, self.shapes)
+        self.solid = len(pairs)  # pairs whose shapes may touch; the tethers follow
+        self.routines = routines + cords.routines()
+        self.pairs = np.concatenate([pairs, cords.ends])
         self.lateral = search.touch
         self._near = np.empty(len(self.pairs), dtype=np.int64)
 
@@ -127,9 +133,12 @@ class Detector:
         fresh = dirty.copy()
         b = self.bodies
         while fresh.any():
-            count = primitives.near(x, b.shape, b.normal, b.reach, fresh, self.pairs, self.search.touch, self._near)
+            count = primitives.near(
+                x, b.shape, b.normal, b.reach, fresh, self.pairs[: self.solid], self.search.touch, self._near
+            )
+            held = self.solid + np.flatnonzero(fresh[self.cords.ends].any(axis=1))
             fresh[:] = False
-            for p in self._near[:count].tolist():
+            for p in self._near[:count].tolist() + held.tolist():
                 if p in found:
                     continue
                 found[p] = self.routines[p].contacts(*self.pairs[p].tolist(), x, rotation, self.search.touch)

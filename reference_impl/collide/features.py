@@ -1,6 +1,6 @@
 """Contact features and how their gap changes.
 
-A contact joins a feature of body a with a feature of body b and belongs to one of six kinds:
+A contact joins a feature of body a with a feature of body b and belongs to one of seven kinds:
 
     FACE    a point of a, widened by a radius, on a plane of b
     EDGES   an edge of a crossing an edge of b, both widened by radii
@@ -8,6 +8,7 @@ A contact joins a feature of body a with a feature of body b and belongs to one 
     LINE    a point of a, widened by a radius, at an edge of b
     RIM     a circle of a on a plane of b
     RING    a point of a, widened by a radius, at a circle of b
+    CORD    a point of a held by a string to a point of b: the gap is the slack (`effects.tether`)
 
 The unit normal n points from b to a and the gap is negative in overlap.  Along any motion
 
@@ -21,7 +22,7 @@ point (3) and direction (3) in the frame of a, point (3) and direction (3) in th
 (direction = edge through the point, its middle; or outward normal of the face; or axis of the circle
 around the point), sum of the radii, radius of a.  The edges of EDGES are directed so that a × b points
 from b to a.  For RIM the radius of a is that of the circle; for RING the radius of the circle of b stands
-in place of the direction in a, which a point has not.
+in place of the direction in a, which a point has not.  For CORD the length stands in place of the sum of the radii.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ import numpy as np
 from reference_impl.collide.rims import point_at_rim, rim_on_plane
 from reference_impl.kernels import apply, cross, dot, kernel, norm
 
-FACE, EDGES, POINT, LINE, RIM, RING = 0, 1, 2, 3, 4, 5
+FACE, EDGES, POINT, LINE, RIM, RING, CORD = 0, 1, 2, 3, 4, 5, 6
 WHOLE, REAL = 5, 14
 
 
@@ -127,6 +128,10 @@ def kinematics(kinds, reals, xa, ra, va, wa, xb, rb, vb, wb, n, point):
         bias = dot(n, ddm) + (dot(dm, dm) - rate * rate) / distance
     for c in range(3):
         point[c] = xa[c] + arm_a[c] - n[c] * reals[13]
+    if kind == CORD:  # the same connection seen from within
+        for c in range(3):
+            n[c] = -n[c]
+        return radius - distance, -rate, -bias
     return distance - radius, rate, bias
 
 
@@ -200,7 +205,7 @@ def rows(kinds, n, point, x, rotation, root, inverse_mass, radius, place, out):
                 continue
             sign = 1.0 if side == 0 else -1.0
             lever = np.zeros(3)
-            if radius[i] == 0.0:
+            if radius[i] == 0.0 or kinds[k, 2] == CORD:
                 lever = cross(_minus(point[k], x[i]), n[k])
             body = np.empty(3)
             for c in range(3):

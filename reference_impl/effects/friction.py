@@ -57,13 +57,20 @@ def frames(normal: np.ndarray, way: np.ndarray) -> np.ndarray:
 def rough(
     island: Island, problem: Problem, pose: Pose, b: Bodies, tangents: np.ndarray, mu: np.ndarray, slides: np.ndarray
 ) -> Rough:
-    """The rows of a problem with friction in these tangents; its c and d are left zero."""
+    """The rows of a problem with friction in these tangents.
+
+    Its c is left zero, and its d is what joints that hold the bodies add to the tangential accelerations: zero without.
+    """
     m, width = problem.g.shape
     g = np.empty((m, 3, width))
     g[:, 0] = problem.g
     _tangent_rows(island.contacts.kinds, tangents, problem.k.point, pose.x, pose.rotation, b.root, b.inverse_mass,
                   island.place, g)  # fmt: skip
-    return Rough(g.reshape(3 * m, width), np.zeros(width), np.zeros(3 * m), mu, slides)
+    d = np.zeros((m, 3))
+    if problem.space is not None:
+        d[:, 1:] = -g[:, 1:] @ problem.space.given
+        g[:, 1:] = problem.space.within(g[:, 1:].reshape(2 * m, width)).reshape(m, 2, width)
+    return Rough(g.reshape(3 * m, width), np.zeros(width), d.ravel(), mu, slides)
 
 
 @kernel

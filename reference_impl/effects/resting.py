@@ -11,16 +11,25 @@ normals and the rotation of the bodies bring (`bias` in `collide.features`).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from reference_impl.collide.detect import Contacts, Kinematics
 from reference_impl.collide.features import all_kinematics, rows
 from reference_impl.contact_problem import Kept, solve
+from reference_impl.effects.joint import Rows, Space, joint_rows, space
+from reference_impl.effects.spring import pull
 from reference_impl.kernels import apply, apply_transposed, cross, dot, kernel, matrix, spin, turned
 from reference_impl.state import Bodies, Motion
+
+if TYPE_CHECKING:
+    from reference_impl.links import Links
+
+
+STUCK = 1e-8  # part of a contact row that joints leave free, below which the contact is theirs
+SWEEPS = 5  # of Newton's method on the gaps of joints; quadratic, from what one step leaves of them
 
 
 class Pose(NamedTuple):
@@ -46,17 +55,41 @@ class Pose(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """Contacts of an island in scaled coordinates, in which a motion is (√m v, Bᵀ Rᵀ L), B Bᵀ = I⁻¹."""
+    """Contacts of an island in scaled coordinates, in which a motion is (√m v, Bᵀ Rᵀ L), B Bᵀ = I⁻¹.
+
+    Where joints hold the bodies, G, `free` and `least` are those of the motions that the joints leave free.
+    """
 
     k: Kinematics
     g: np.ndarray  # (m, 6 bodies) contact rows G = J M^-1/2
     free: np.ndarray  # (6 bodies,) scaled acceleration without contact forces
     least: np.ndarray  # (m,) value of G times acceleration at which gap'' is zero [m/s2]
     motion: np.ndarray  # (6 bodies,) scaled velocity
+    space: Space | None = None  # what joints leave free; None: everything
+    whole: np.ndarray | None = None  # (m, 6 bodies) contact rows before the joints took their part
+    pulled: np.ndarray | None = None  # (6 bodies,) scaled acceleration without contact and joint forces
 
     def closing(self) -> np.ndarray:
         """Acceleration with which each gap would close if no contact force acted, -gap'' [m/s2]."""
         return self.least - self.g @ self.free
+
+    def stuck(self) -> np.ndarray:
+        """Which contacts (m,) the joints hold already: no motion they leave free opens or closes them."""
+        if self.whole is None:
+            return np.zeros(len(self.g), dtype=bool)
+        return (self.g**2).sum(axis=1) <= STUCK**2 * (self.whole**2).sum(axis=1)
+
+    def confined(self, rows: Rows) -> Problem:
+        """The same contacts where joints with these rows hold the bodies."""
+        s = space(rows)
+        return self._replace(
+            g=s.within(self.g) if len(self.g) else self.g,
+            free=s.given + s.within(self.free),
+            least=self.least - self.g @ s.given,
+            space=s,
+            whole=self.g,
+            pulled=self.free,
+        )
 
 
 class Push(NamedTuple):
@@ -80,20 +113,51 @@ class Island:
     contacts : Contacts
     place : (n,) array of int
         Number of each body of the scene among `bodies`, or -1.
+    links : Links or None
+        Joints and springs of these bodies; None: there are none.
     """
 
     bodies: np.ndarray
     contacts: Contacts
     place: np.ndarray
+    links: Links | None = None
 
     @staticmethod
-    def of(contacts: Contacts, b: Bodies) -> Island:
-        """All of these contacts together."""
+    def of(contacts: Contacts, b: Bodies, links: Links | None = None) -> Island:
+        """All of these contacts and links together."""
         ends = np.unique(contacts.kinds[:, :2])
+        if links is not None:
+            ends = np.union1d(ends, links.ends)
         bodies = ends[b.inverse_mass[ends] > 0.0]
         place = np.full(len(b.inverse_mass), -1)
         place[bodies] = np.arange(len(bodies))
-        return Island(bodies, contacts, place)
+        return Island(bodies, contacts, place, links)
+
+    def part(self, which: np.ndarray) -> Island:
+        """The same bodies with some of the contacts."""
+        return replace(self, contacts=self.contacts.chosen(which))
+
+    def carriers(self, b: Bodies) -> list[int]:
+        """The fixed bodies that contacts and links of this island end on, in scene order."""
+        ends = np.unique(self.contacts.kinds[:, :2])
+        if self.links is not None:
+            ends = np.union1d(ends, self.links.ends)
+        return ends[b.inverse_mass[ends] == 0.0].tolist()
+
+    @property
+    def jointed(self) -> bool:
+        """Whether joints hold some of the bodies."""
+        return self.links is not None and len(self.links.joints.kinds) > 0
+
+    def rows(self, pose: Pose, b: Bodies) -> Rows:
+        """The rows of the joints."""
+        assert self.links is not None
+        joints = self.links.joints
+        count = len(joints.kinds)
+        rows = Rows(np.empty((count, 6 * len(self.bodies))), np.empty(count), np.empty(count), np.empty(count))
+        joint_rows(joints.kinds, joints.reals, pose.x, pose.rotation, pose.v, pose.w, b.root, b.inverse_mass,
+                   b.acceleration, self.place, *rows)  # fmt: skip
+        return rows
 
     def problem(self, pose: Pose, b: Bodies) -> Problem:
         """The contact problem of these contacts."""
@@ -116,7 +180,9 @@ class Island:
         _scaled(self.bodies, pose.rotation, pose.v, pose.w, pose.L, b.inverse_mass, b.root, b.acceleration, b.drag,
                 b.torque, b.lever, b.spin_drag, p.motion, p.free)  # fmt: skip
         _least(self.contacts.kinds, k.normal, k.bias, b.inverse_mass, b.acceleration, p.least)
-        return p
+        if self.links is not None and len(self.links.springs.ends):
+            pull(*self.links.springs, pose.x, pose.rotation, pose.v, pose.w, b.root, b.inverse_mass, self.place, p.free)
+        return p.confined(self.rows(pose, b)) if self.jointed else p
 
     def change(self, motion: Motion, b: Bodies, pose: Pose, scaled: np.ndarray) -> None:
         """Add a scaled velocity to the bodies."""
@@ -130,9 +196,32 @@ class Island:
         pose = Pose.now(motion, b)
         p = self.problem(pose, b)
         excess = p.k.gap - gap
-        if not excess.any():
-            return
-        y = nearest(p.g, -excess)
+        if excess.any():
+            self.move(motion, b, pose, nearest(p.g, -excess))
+
+    def hold(self, motion: Motion, b: Bodies) -> float:
+        """Take out what integration and impulses have left of gaps and rates at the joints.
+
+        Positions by Newton's method and velocities at once, both as little as possible in the metric of the masses.
+        Returns the worst gap that remains, relative to the size of its joint.
+        """
+        if not self.jointed:
+            return 0.0
+        assert self.links is not None
+        size, worst = self.links.joints.size, math.inf
+        for _ in range(SWEEPS):
+            pose = Pose.now(motion, b)
+            rows = self.rows(pose, b)
+            left = float(np.abs(rows.gap / size).max())
+            if not left < 0.5 * worst:
+                break
+            worst = left
+            self.move(motion, b, pose, nearest(rows.j, -rows.gap))
+        self.change(motion, b, pose, nearest(rows.j, -rows.rate))
+        return left
+
+    def move(self, motion: Motion, b: Bodies, pose: Pose, y: np.ndarray) -> None:
+        """Add a scaled displacement to the bodies."""
         for at, i in enumerate(self.bodies.tolist()):
             motion.x[i] += y[6 * at : 6 * at + 3] * math.sqrt(b.inverse_mass[i])
             if b.quickness[i] > 0.0:
@@ -151,8 +240,8 @@ def rounding(b: Bodies, bodies: np.ndarray) -> float:
     return float(np.finfo(np.float64).eps * inverse.max() / inverse.min())
 
 
-def islands(contacts: Contacts, b: Bodies) -> list[Island]:
-    """Contacts grouped so that no moving body is in two groups."""
+def islands(contacts: Contacts, b: Bodies, links: Links | None = None) -> list[Island]:
+    """Contacts and links grouped so that no moving body is in two groups."""
     leader = list(range(len(b.inverse_mass)))
 
     def find(i: int) -> int:
@@ -162,14 +251,23 @@ def islands(contacts: Contacts, b: Bodies) -> list[Island]:
         return i
 
     ends = contacts.kinds[:, :2].tolist()
+    tied = [] if links is None else links.ends.tolist()
     free = (b.inverse_mass > 0.0).tolist()
-    for i, j in ends:
+    for i, j in ends + tied:
         if free[i] and free[j]:
             leader[find(j)] = find(i)
     groups: dict[int, list[int]] = {}
-    for k, (i, j) in enumerate(ends):
+    for k, (i, j) in enumerate(ends + tied):
         groups.setdefault(find(i if free[i] else j), []).append(k)
-    return [Island.of(contacts.chosen(np.array(members)), b) for members in groups.values()]
+    out, count = [], len(ends)
+    for members in groups.values():
+        own = None
+        if links is not None:
+            which = np.zeros(len(tied), dtype=bool)
+            which[[k - count for k in members if k >= count]] = True
+            own = links.chosen(which)
+        out.append(Island.of(contacts.chosen(np.array([k for k in members if k < count], dtype=np.int64)), b, own))
+    return out
 
 
 def push(
@@ -188,6 +286,8 @@ def push(
     NoSolution
         If no forces keep the bodies apart.
     """
+    if not len(problem.g):
+        return Push(np.zeros(0), *accelerations(island, problem.free, pose, b), 0.0)
     answer = solve(problem.g, problem.free, problem.least, solver, guess, kept)
     return Push(answer.f, *accelerations(island, answer.x, pose, b), answer.residual, answer.kept)
 

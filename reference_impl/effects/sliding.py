@@ -61,12 +61,12 @@ def forces(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Grip, 
     way[(way * grip.way).sum(axis=1) < 0.0] *= -1.0
     tangents = frames(problem.k.normal, np.where(grip.creeps[:, None], s.velocity, way))
     p = rough(island, problem, pose, b, tangents, grip.mu, grip.slides)
-    least = np.empty((len(speed), 3))
+    least = p.d.reshape(-1, 3).copy()
     least[:, 0] = problem.least
     ahead = s.bias + s.pulled
     if grip.creeps.any():
         ahead[grip.creeps] += s.velocity[grip.creeps] / grip.lag
-    least[:, 1:] = -np.einsum("ijk,ik->ij", tangents, ahead)
+    least[:, 1:] -= np.einsum("ijk,ik->ij", tangents, ahead)
     p = p._replace(c=problem.free, d=least.ravel())
     return solve(p, guess=guess), p, tangents, s.velocity
 

@@ -21,6 +21,7 @@ FLOOR = Body("floor", HalfSpace())
 TABLE = Body("table", Box((1.0, 1.0, 0.2)))
 BALL = Body("ball", Sphere(0.1), 1.0, (0.0, 0.0, 1.1))
 OTHER = Body("other", Sphere(0.1), 1.0, (1.0, 0.0, 1.1))
+GOING = Body("going", Sphere(0.1), 1.0, (1.0, 0.0, 1.1), velocity=(1.0, 0.0, 0.0))
 REFERENCE = ENGINES["reference"]
 NAMES = ("reference", "reference:sequential", "reference:simultaneous")
 
@@ -34,10 +35,9 @@ def test_it_keeps_every_law_of_an_engine(name):
 
 
 @pytest.mark.parametrize(("scene", "match"), [
-    (Scene((BALL, OTHER), (Spring("ball", "other", 1.0, 1.0),)), "Spring"),
-    (Scene((BALL, OTHER), (Rod("ball", "other"),)), "Rod"),
-    (Scene((BALL, OTHER), (Tether("ball", "other", 2.0),)), "Tether"),
-    (Scene((BALL, OTHER), (Rotation(), Hinge("ball", "other"))), "Hinge"),
+    (Scene((BALL, GOING), (Rod("ball", "going"),)), "Rod between 'ball' and 'going': its ends part at 1 m/s"),
+    (Scene((BALL, OTHER), (Tether("ball", "other", 0.5),)), "Tether between 'ball' and 'other': its anchors are 1 m"),
+    (Scene((BALL, OTHER), (Spring("ball", "other", 1.0, 1.0, anchor_a=(1.0, 0.0, 0.0)),)), "its anchors coincide"),
     (Scene((TABLE, Body("can", Cylinder(0.1, 0.2), 1.0, (0.0, 0.0, 1.0))), (Restitution(0.5),)), "'can', a Cylinder"),
     (Scene((FLOOR, Body("low", Sphere(0.1), 1.0)), (Restitution(0.5),)), r"'low' and 'floor' overlap by 0\.1 m"),
 ])  # fmt: skip
@@ -46,6 +46,24 @@ def test_what_it_cannot_do_is_refused_with_the_reason(scene, match):
     assert isinstance(outcome, Refusal)
     with pytest.raises(Refusal, match=match):
         raise outcome
+
+
+@pytest.mark.parametrize("name", ["reference:lecture", "reference:penalty"])
+@pytest.mark.parametrize("effect", [Spring("ball", "other", 1.0, 1.0), Rod("ball", "other"),
+                                    Tether("ball", "other", 2.0), Hinge("ball", "other")])  # fmt: skip
+def test_the_older_methods_have_no_part_for_joints(name, effect):
+    outcome = run(ENGINES[name], Scene((BALL, OTHER), (Rotation(), effect)), (0.0, 0.1)).outcome
+    assert isinstance(outcome, Refusal)
+    with pytest.raises(Refusal, match=type(effect).__name__):
+        raise outcome
+
+
+def test_joints_are_among_its_effects():
+    scene = Scene((BALL, OTHER), (Gravity(), Rotation(), Rod("ball", "other"), Spring("ball", "other", 1.0, 1.0)))
+    made = run(REFERENCE, scene, (0.0, 1.0))
+    assert isinstance(made.outcome, Trajectory)
+    assert made.outcome.x[1, :, 2] == pytest.approx(1.1 - 4.905, abs=1e-12)
+    assert 0.0 <= made.audit["drift"] <= 1e-15
 
 
 def test_smooth_friction_is_no_friction():
