@@ -22,7 +22,18 @@ from typing import TYPE_CHECKING, Any
 from adapters.engine import BadScene, ContactForce, Diverged, Impact, Knob, Refusal, Settings
 from adapters.translate import TIME_STEPS
 from mechanics.effects import (
-    Drag, Effect, Force, Friction, Gravity, Hinge, Resting, Restitution, Rod, Rotation, Spring, Tether,
+    Drag,
+    Effect,
+    Force,
+    Friction,
+    Gravity,
+    Hinge,
+    Resting,
+    Restitution,
+    Rod,
+    Rotation,
+    Spring,
+    Tether,
 )  # fmt: skip
 from mechanics.scene import Scene
 from mechanics.trajectory import State

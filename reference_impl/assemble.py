@@ -6,7 +6,18 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from mechanics.effects import (
-    Drag, Effect, Force, Friction, Gravity, Hinge, Resting, Restitution, Rod, Rotation, Spring, Tether,
+    Drag,
+    Effect,
+    Force,
+    Friction,
+    Gravity,
+    Hinge,
+    Resting,
+    Restitution,
+    Rod,
+    Rotation,
+    Spring,
+    Tether,
 )  # fmt: skip
 from mechanics.scene import Scene
 from reference_impl.effects import drag, force, friction, gravity, joint, penalty, rotation, spring, tether

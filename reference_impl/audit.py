@@ -10,7 +10,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mechanics.effects import (
-    Drag, Effect, Force, Friction, Gravity, Hinge, Resting, Restitution, Rod, Rotation, Tether,
+    Drag,
+    Effect,
+    Force,
+    Friction,
+    Gravity,
+    Hinge,
+    Resting,
+    Restitution,
+    Rod,
+    Rotation,
+    Tether,
 )  # fmt: skip
 from reference_impl.kernels import cross, dot, kernel, matrix, norm, spin
 

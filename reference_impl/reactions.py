@@ -62,7 +62,9 @@ def _of_island(world: World, island: Island, pose: Pose) -> list[JointForce]:
     else:
         p = push(island, problem, pose, world.bodies, world.settings.solver)
         friction = np.zeros((len(p.force), 3))
-    assert problem.space is not None and problem.whole is not None and problem.pulled is not None
+    assert problem.space is not None
+    assert problem.whole is not None
+    assert problem.pulled is not None
     acting = problem.pulled + problem.whole.T @ p.force + _scaled(island, problem, pose, world, friction)
     along = problem.space.basis @ (problem.space.given - acting)
     return _wrenches(island, pose, problem.space.back @ along)

@@ -69,7 +69,7 @@ class Space(NamedTuple):
     back: np.ndarray  # (r, rank) forces of the rows from the part of a scaled force along the basis
 
     def within(self, motions: np.ndarray) -> np.ndarray:
-        """Their part in the free motions, of one (k,) or several (m, k); exact to rounding of the larger of two passes."""
+        """The part that is free of one motion (k,) or of several (m, k); the second pass takes out what rounding left."""
         left = motions - (motions @ self.basis.T) @ self.basis
         return left - (left @ self.basis.T) @ self.basis
 
@@ -150,14 +150,14 @@ def _anchor(scene: Scene, i: int, anchor: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 def _size(scene: Scene, ends: tuple[int, int], anchors: tuple[np.ndarray, ...]) -> float:
-    """Length that counts as large at a joint [m]: of the arms, or of the smaller moving body, or what coordinates allow."""
+    """Length to compare gaps with [m]: of the arms, of the smaller moving body, or what coordinates allow."""
     reach = min((bounding_radius(b.shape) for b in (scene.bodies[i] for i in ends) if not b.fixed), default=1.0)
     far = max(float(np.abs(scene.bodies[i].position).max()) for i in ends)
     return max(reach, 1e-3 * far, *(float(np.linalg.norm(a)) for a in anchors))
 
 
 def _checked(scene: Scene, effect: Rod | Hinge, parting: np.ndarray, rows: Joints) -> Parts:
-    """The rows, none where both bodies are fixed; a joint whose ends part at `parting` [m/s] at the start is refused."""
+    """The rows, none between fixed bodies; a joint whose ends part at `parting` [m/s] at the start is refused."""
     bodies = [scene.body(name) for name in (effect.a, effect.b)]
     who = f"{type(effect).__name__} between {effect.a!r} and {effect.b!r}"
     fastest = max(float(np.linalg.norm(b.velocity) + np.linalg.norm(b.angular_velocity) * rows.size[0]) for b in bodies)

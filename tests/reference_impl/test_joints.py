@@ -1,6 +1,7 @@
 """Rods and hinges against closed forms, Lagrange's equations and the laws of momentum and energy."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -60,7 +61,7 @@ def chain(masses, lengths, angles):
     places = np.cumsum([down(angle, length) for angle, length in zip(angles, lengths, strict=True)], axis=0)
     bobs = [bob(f"b{i}", place, mass=m) for i, (place, m) in enumerate(zip(places, masses, strict=True))]
     names = ["pivot", *(b.name for b in bobs)]
-    rods = [Rod(a, b) for a, b in zip(names[:-1], names[1:], strict=True)]
+    rods = [Rod(a, b) for a, b in pairwise(names)]
     return Scene((PIVOT, *bobs), (Gravity(), *rods))
 
 
@@ -138,7 +139,9 @@ def test_a_body_on_a_hinge_swings_by_its_inertia_about_the_axis():
     inertia = ((0.9, 0.1, -0.05), (0.1, 0.7, 0.08), (-0.05, 0.08, 0.5))
     amplitude, distance, along = math.radians(70.0), 0.8, 0.35
     place = down(amplitude, distance)
-    body = Body("body", Box((0.5, 0.4, 0.3)), 3.0, tuple(place + (0.0, along, 0.0)), tuple(q), inertia=inertia)
+    body = Body(
+        "body", Box((0.5, 0.4, 0.3)), 3.0, tuple(place + np.array((0.0, along, 0.0))), tuple(q), inertia=inertia
+    )
     scene = Scene((PIVOT, body), (Gravity(), Rotation(), Hinge("pivot", "body", axis=(0.0, 1.0, 0.0))))
     axis = unrotate(q, np.array((0.0, 1.0, 0.0)))
     whole = axis @ np.array(inertia) @ axis + 3.0 * distance**2
@@ -149,7 +152,7 @@ def test_a_body_on_a_hinge_swings_by_its_inertia_about_the_axis():
         advance(world, t - world.t)
         state = world.state()
         angle = swing(amplitude, rate, t)
-        assert state.x[1] == pytest.approx(down(angle, distance) + (0.0, along, 0.0), abs=1e-12)
+        assert state.x[1] == pytest.approx(down(angle, distance) + np.array((0.0, along, 0.0)), abs=1e-12)
         turned = rotate(about((0.0, 1.0, 0.0), amplitude - angle), rotate(q, np.eye(3)))
         assert rotate(state.q[1], np.eye(3)) == pytest.approx(turned, abs=1e-12)
         assert energy(scene, state) == pytest.approx(before, abs=1e-12 * 3.0 * G)
@@ -168,7 +171,9 @@ def test_a_rod_hinged_at_its_end_presses_its_pivot():
         angle = math.atan2(place[0], -place[2])
         (f,) = joint_forces(world)
         out, across = down(angle), np.array((math.cos(angle), 0.0, math.sin(angle)))
-        assert -np.array(f.force) @ out == pytest.approx(G * (2.5 * math.cos(angle) - 1.5 * math.cos(amplitude)), abs=1e-11)
+        assert -np.array(f.force) @ out == pytest.approx(
+            G * (2.5 * math.cos(angle) - 1.5 * math.cos(amplitude)), abs=1e-11
+        )
         assert np.array(f.force) @ across == pytest.approx(0.25 * G * math.sin(angle), abs=1e-11)
         assert np.abs(f.torque).max() <= 1e-12
 
@@ -222,7 +227,7 @@ def test_a_thrown_dumbbell():
     centre, speed, spin = np.array((0.0, 0.0, 5.0)), np.array((2.0, 0.3, 4.0)), 4.0
     masses, length = (1.0, 2.0), 1.5
     arms = np.array((-2.0 / 3.0, 1.0 / 3.0)) * length
-    bodies = [bob(f"b{i}", centre + (arm, 0.0, 0.0), speed + (0.0, spin * arm, 0.0), m)
+    bodies = [bob(f"b{i}", centre + np.array((arm, 0.0, 0.0)), speed + np.array((0.0, spin * arm, 0.0)), m)
               for i, (arm, m) in enumerate(zip(arms, masses, strict=True))]  # fmt: skip
     world = begin(Scene(tuple(bodies), (Gravity(), Rod("b0", "b1"))))
     for t in (0.7, 7.3):
@@ -230,7 +235,7 @@ def test_a_thrown_dumbbell():
         state = world.state()
         line = np.array((math.cos(spin * t), math.sin(spin * t), 0.0))
         for x, arm in zip(state.x, arms, strict=True):
-            expected = centre + speed * t - (0.0, 0.0, 0.5 * G * t * t) + arm * line
+            expected = centre + speed * t - np.array((0.0, 0.0, 0.5 * G * t * t)) + arm * line
             assert x == pytest.approx(expected, abs=1e-12 * max(1.0, 0.5 * G * t * t))
     (f,) = joint_forces(world)
     assert np.linalg.norm(f.force) == pytest.approx(2.0 / 3.0 * spin**2 * length, rel=1e-12)
@@ -303,7 +308,7 @@ def test_a_parallelogram_of_hinges_is_a_pendulum():
     pull = -(rate**2) * math.sin(angle)
     across, out = np.array((math.cos(angle), 0.0, math.sin(angle))), down(angle)
     moving = (c + m) * l * (pull * across - spin**2 * out)
-    assert -held == pytest.approx(moving + (0.0, 0.0, (2.0 * c + m) * G), abs=1e-10)
+    assert -held == pytest.approx(moving + np.array((0.0, 0.0, (2.0 * c + m) * G)), abs=1e-10)
 
 
 def test_a_steady_top_on_a_rod_of_no_length():
@@ -351,7 +356,7 @@ def test_a_struck_rod_and_its_centre_of_percussion():
 
 
 def test_a_pendulum_bounces_off_a_wall():
-    """Released at rest at 60 degrees it meets a wall where it hangs, at e times the speed back, and again after that."""
+    """From rest at 60 degrees it meets a wall where it hangs, and again at e times the speed."""
     amplitude, e = math.radians(60.0), 0.7
     wall = Body("wall", HalfSpace((1.0, 0.0, 0.0)), position=(-0.05, 0.0, 0.0))
     scene = Scene((PIVOT, wall, bob("bob", down(amplitude))), (Gravity(), Restitution(e), Rod("pivot", "bob")))
@@ -386,7 +391,7 @@ def test_a_door_meets_a_stop():
     assert [event.time for event in world.events] == pytest.approx([time], abs=1e-11)
     assert world.state().w[1] == pytest.approx((0.0, 0.0, -e * spin), abs=1e-11)
     turned = rotate(about(UP, spin * time - e * spin * (1.0 - time)), np.array((0.45, 0.0, 0.0)))
-    assert world.state().x[1] == pytest.approx(turned + (0.0, 0.0, 1.0), abs=1e-11)
+    assert world.state().x[1] == pytest.approx(turned + np.array((0.0, 0.0, 1.0)), abs=1e-11)
     (f,) = joint_forces(world)
     assert f.force[2] == pytest.approx(-20.0 * G, rel=1e-13)  # on the pivot
 
@@ -429,7 +434,7 @@ def test_a_pivot_that_accelerates_tilts_gravity():
     hung = bob("bob", down(amplitude), (0.2, 0.0, -0.5))
     world = begin(Scene((lift, hung), (Gravity(), Rod("pivot", "bob"))))
     advance(world, 3.0)
-    expected = down(swing(amplitude, math.sqrt(G + pull), 3.0)) + (0.6, 0.0, -1.5 + 0.5 * pull * 9.0)
+    expected = down(swing(amplitude, math.sqrt(G + pull), 3.0)) + np.array((0.6, 0.0, -1.5 + 0.5 * pull * 9.0))
     assert world.state().x[1] == pytest.approx(expected, abs=1e-11)
 
 
@@ -502,7 +507,7 @@ def test_rows_are_the_derivatives_of_their_gaps():
         x, v, a, w, alpha = rng.normal(size=(5, 2, 3))
         q0 = normalised(rng.normal(size=(2, 4)))
 
-        def at(t, x=x, v=v, a=a, w=w, alpha=alpha, q0=q0):
+        def at(t, x=x, v=v, a=a, w=w, alpha=alpha, q0=q0, b=b):
             # turns w t + ½ alpha t² about the world's axes, to second order in t
             q = product(exponential(w * t + 0.5 * alpha * t * t), q0)
             spin = w + alpha * t
@@ -519,4 +524,3 @@ def test_rows_are_the_derivatives_of_their_gaps():
         second = middle.j @ y - middle.target
         assert (high.rate - low.rate) / (2.0 * h) == pytest.approx(second, abs=1e-7)
         assert (joints.kinds[:, 0] == AXIS).sum() == 2
-

@@ -88,7 +88,9 @@ def test_a_ball_falls_into_its_string_and_swings():
 def test_a_swing_that_goes_slack_flies_and_comes_back():
     """Struck at the bottom with v² = 3.5 g l the string goes slack at cos θ = -1/2: a parabola to the next jerk."""
     v0 = math.sqrt(3.5 * G)
-    world = begin(Scene((POST, ball("ball", (0.0, 0.0, -1.0), (v0, 0.0, 0.0))), (Gravity(), Tether("post", "ball", 1.0))))
+    world = begin(
+        Scene((POST, ball("ball", (0.0, 0.0, -1.0), (v0, 0.0, 0.0))), (Gravity(), Tether("post", "ball", 1.0)))
+    )
     advance(world, 0.3)
     while world.mode[1] != FLYING:
         advance(world, 0.01)
@@ -109,7 +111,8 @@ def test_a_swing_that_goes_slack_flies_and_comes_back():
     # sin(θ / 2) = k sin φ and t = F(φ, k²) / sqrt(g / l) up to θ = 2π/3
     k = v0 / (2.0 * math.sqrt(G))
     begun = float(ellipkinc(math.asin(math.sin(math.pi / 3.0) / k), k * k)) / math.sqrt(G)
-    assert world.events[0].time == pytest.approx(begun + again, abs=1e-10)
+    # what parts by less than 1e-9 of the speed scale, here 7e-10 m/s, is held: that much flies on for 0.8 s
+    assert world.events[0].time == pytest.approx(begun + again, abs=1e-9)
 
 
 def test_a_ball_on_a_string_hangs_at_rest_and_its_string_carries_it():
@@ -156,7 +159,7 @@ def test_tumbling_boxes_on_a_tether_keep_their_momenta(seed, e):
     boxes = [
         Body(f"b{i}", Box(tuple(rng.uniform(0.2, 0.6, 3))), float(rng.uniform(0.5, 3.0)),
              (1.2 * i, *rng.uniform(-0.2, 0.2, 2)), tuple(normalised(rng.normal(size=4))),
-             tuple(rng.normal(size=3) + (2.0 * i - 1.0, 0.0, 0.0)), tuple(2.0 * rng.normal(size=3)))
+             tuple(rng.normal(size=3) + np.array((2.0 * i - 1.0, 0.0, 0.0))), tuple(2.0 * rng.normal(size=3)))
         for i in range(2)
     ]  # fmt: skip
     anchors = rng.uniform(-0.2, 0.2, (2, 3))
@@ -194,7 +197,7 @@ def test_an_impact_passes_through_taut_strings():
 
 
 @pytest.mark.parametrize(("effect", "match"), [
-    (Tether("post", "ball", 0.5), r"Tether between 'post' and 'ball': its anchors are 1\.2 m apart at the start; allow"),
+    (Tether("post", "ball", 0.5), r"Tether between 'post' and 'ball': its anchors are 1\.2 m apart at the start"),
     (Tether("post", "cart", 5.0), r"Tether between 'post' and 'cart': both are fixed and one of them moves"),
 ])  # fmt: skip
 def test_a_tether_that_is_too_short_is_refused(effect, match):
