@@ -75,7 +75,8 @@ def _step(world: World, course: Course, limit: float) -> None:
         course.lay(end, new, stages)
         stop = _own_end(world, course)
         # what is there from the start is not the step's
-        if _overlap(world, course, stop, course.new) < min(-DEEP * world.scales.length, 1.1 * course.gap.min()):
+        deepest = min(-DEEP * world.scales.length, 1.1 * course.gap.min(initial=0.0))
+        if _overlap(world, course, stop, course.new) < deepest:
             world.audit.rejected += 1
             h = 0.5 * (stop - start)
             continue

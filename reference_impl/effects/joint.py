@@ -69,7 +69,7 @@ class Space(NamedTuple):
     back: np.ndarray  # (r, rank) forces of the rows from the part of a scaled force along the basis
 
     def within(self, motions: np.ndarray) -> np.ndarray:
-        """The part that is free of one motion (k,) or of several (m, k); the second pass takes out what rounding left."""
+        """The free part of one motion (k,) or of several (m, k); a second pass takes out what rounding left."""
         left = motions - (motions @ self.basis.T) @ self.basis
         return left - (left @ self.basis.T) @ self.basis
 

@@ -152,7 +152,7 @@ def _taut(distance, along, square, k, gap):
 
 @kernel
 def _apart(t, begin_a, xs_a, qs_a, begin_b, xs_b, qs_b, reals, r, dr):
-    """Writes what is between the anchors of a tether at time t of the segments, from that of b to that of a, and its rate."""
+    """Writes the way from the anchor of b to that of a at time t of the segments [m], and its rate [m/s]."""
     xa, va, qa, ga = np.empty(3), np.empty(3), np.empty(4), np.empty(4)
     xb, vb, qb, gb = np.empty(3), np.empty(3), np.empty(4), np.empty(4)
     where(t - begin_a, xs_a, qs_a, xa, va, qa, ga)

@@ -162,7 +162,7 @@ def test_a_box_on_a_spring_lands_on_the_floor():
     time = math.acos((0.1 + below) / (0.6 + below)) / 5.0
     speed = 5.0 * (0.6 + below) * math.sin(5.0 * time)
     first = world.events[:4]
-    # features within 1e-9 of the body's size touch: what is off in a polynomial of degree five may end a step that early
+    # features within 1e-9 of the body's size touch: a polynomial that is off may end a step that early
     assert [event.time for event in first] == pytest.approx([time] * 4, abs=1e-9 * 0.3 / speed)
     assert sum(event.impulse for event in first) == pytest.approx(1.5 * 2.0 * speed, rel=1e-10)
     assert world.mode[1] == STILL
