@@ -7,7 +7,8 @@ import pytest
 from adapters.registry import engine
 from adapters.run import run, sample_times
 from comparisons.judge import judge
-from mechanics.effects import Friction, Resting
+from mechanics.effects import Friction, Hinge, Resting, Rod
+from mechanics.shapes import Mesh
 from scenarios import catalogue
 
 STANDARD = {s.family for name in ("standard", "published") for s in catalogue.suite(name)}
@@ -16,8 +17,12 @@ MORE = [s for s in catalogue.suite("full") if s.family not in STANDARD and s.sce
 
 
 def costly(scenario):
-    """Whether contacts with friction last, which the engine solves step by step."""
-    return {Friction, Resting} <= scenario.scene.needs
+    """Whether contacts with friction last, or joints hold: motion that the engine integrates step by step."""
+    return {Friction, Resting} <= scenario.scene.needs or bool({Rod, Hinge, Mesh} & _parts(scenario.scene))
+
+
+def _parts(scene):
+    return scene.needs | {type(body.shape) for body in scene.bodies}
 
 
 def exactly(scenario):
@@ -37,5 +42,5 @@ def test_the_reference_is_exact(scenario):
 
 @pytest.mark.long
 @pytest.mark.parametrize("scenario", [s for s in MORE if costly(s)], ids=lambda s: s.name)
-def test_the_reference_is_exact_where_contacts_with_friction_last(scenario):
+def test_the_reference_is_exact_where_it_integrates(scenario):
     assert exactly(scenario) == {}
