@@ -93,4 +93,5 @@ def _line(beside: Beside) -> str:
 def _machine() -> str:
     facts = fingerprint()
     packages = ", ".join(f"{name} {version}" for name, version in facts["packages"].items())  # type: ignore[attr-defined]
-    return f"{facts['processor']}, {facts['processors']} processors, {facts['system']}, {facts['python']}; {packages}."
+    system = str(facts["system"]).partition(" ")[0]
+    return f"{facts['processor']}, {facts['processors']} processors, {system}, {facts['python']}; {packages}."
