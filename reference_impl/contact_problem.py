@@ -132,7 +132,9 @@ def _sought(
         for candidate in (exact, (f, exact[1])):
             value = residual(g, c, d, candidate[0])
             if value < worth:
-                best, worth, whose, kept = candidate, value, name, factor
+                best, worth, whose = candidate, value, name
+                # of redundant contacts the split that nowhere pulls, which need not be the smallest
+                kept = None if factor is None else Kept(candidate[0], factor.inverse)
         if worth <= GOOD:
             break
     return best, worth, whose, kept

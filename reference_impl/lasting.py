@@ -15,6 +15,7 @@ import numpy as np
 from reference_impl.collide.detect import Contacts, kinematics, rotations
 from reference_impl.contact_problem import NoSolution
 from reference_impl.course import Course
+from reference_impl.effects.resting import Pose
 from reference_impl.errors import Stalled
 from reference_impl.integrators import where
 from reference_impl.rough import jam
@@ -25,6 +26,7 @@ SHORTEST = 1e-13  # step below which the motion is stuck [time scale]
 LONGEST = 1.0  # [time scale]
 BRINK = 1e-7  # time before forces cease to exist at which impulses take over [time scale]
 STANDING = 1e-15  # slip at which a contact has stopped [speed scale]
+ULPS = 1e-15  # change of a gap that is the rounding of the coordinates
 CUTS = 60  # of one step, before the polynomials are taken for the motion
 
 
@@ -103,7 +105,7 @@ def _own_end(world: World, course: Course) -> float:
 
 def _meets(world: World, course: Course) -> float:
     """When bodies of an island first meet each other or what is fixed, or the end of the step [s]."""
-    pairs = course.pairs
+    pairs = _near(world, course)
     for _ in range(1000 + 50 * len(pairs)):
         if len(pairs) == 0:
             return course.end
@@ -114,6 +116,20 @@ def _meets(world: World, course: Course) -> float:
             return float(world.clear[p])
         world.look(p)
     raise Stalled(f"search for the next contact of {', '.join(world.names(*course.members))}", world.t)
+
+
+def _near(world: World, course: Course) -> np.ndarray:
+    """Pairs of an island that are not too far apart to meet within its step; the others are clear until its end."""
+    m, b, h = world.motion, world.bodies, course.end - course.begin
+    pull = np.sqrt((m.bounds[:, :3] ** 2).sum(axis=1)) + m.bounds[:, 3]
+    travel = b.reach + h * np.sqrt((m.x_series[:, 1] ** 2).sum(axis=1)) + 0.5 * h * h * pull
+    if world.moving:
+        travel[b.inverse_mass == 0.0] = math.inf  # their motion has not begun with the step
+    one, other = world.detector.pairs[course.pairs].T
+    away = m.x_series[one, 0] - m.x_series[other, 0]
+    far = np.sqrt((away * away).sum(axis=1)) > travel[one] + travel[other]
+    world.clear[course.pairs[far]] = np.maximum(world.clear[course.pairs[far]], course.end)
+    return course.pairs[~far]
 
 
 def _reversal(world: World, course: Course) -> tuple[float, np.ndarray, np.ndarray]:
@@ -251,7 +267,10 @@ def _restore(world: World, course: Course) -> None:
     They keep the gap they had: to close it would push a neighbour that has just arrived into overlap.  Joints are
     closed: they have no gap.
     """
-    loaded = course.loaded
+    loaded, island = course.loaded, course.island
     if loaded.any():
-        course.island.part(loaded).shift(world.motion, world.bodies, course.gap[loaded])
-    world.audit.drift = max(world.audit.drift, course.island.hold(world.motion, world.bodies))
+        x, pose = world.motion.x[course.members], Pose.now(world.motion, world.bodies)
+        excess = island.problem(pose, world.bodies).k.gap - course.gap
+        if np.abs(excess[loaded]).max() > ULPS * max(float(np.abs(x).max()), world.scales.length):
+            island.part(loaded).shift(world.motion, world.bodies, course.gap[loaded])
+    world.audit.drift = max(world.audit.drift, island.hold(world.motion, world.bodies))

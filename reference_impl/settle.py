@@ -25,6 +25,7 @@ RETURN = 5e-6  # a contact that is back within this time never parted [time scal
 RETURN_ALONE = 1e-8  # the same for a sphere with one contact
 RETURN_CHATTER = 5e-3  # the same for a body whose contacts come and go too often to be followed
 ROUNDING = 1e-13  # forces below this part of the scaled weight are none
+ULPS = 1e-15  # normal velocity that is the rounding of velocities
 JAMS = 20  # impulses at one instant in place of forces
 REST_SPEED = 1e-10  # [speed scale]
 REST_ACCELERATION = 1e-9  # [speed scale / time scale]
@@ -179,7 +180,8 @@ def _stop_parting(world: World, island: Island) -> None:
     """Take the last trace of normal velocity out of lasting contacts; the nearest such motion has less energy."""
     pose = Pose.now(world.motion, world.bodies)
     problem = island.problem(pose, world.bodies)
-    if problem.k.rate.any():
+    fastest = max(float(np.abs(pose.v[island.bodies]).max()), world.scales.speed)
+    if np.abs(problem.k.rate).max() > ULPS * fastest:
         island.change(world.motion, world.bodies, pose, nearest(problem.g, -problem.k.rate))
 
 
