@@ -144,7 +144,7 @@ def _asked(name: str, g: np.ndarray, c: np.ndarray, d: np.ndarray, start: np.nda
     """What a solver answers; None if it gave up, raised, or returned anything but finite forces."""
     try:
         f = np.asarray(SOLVERS[name](g, c, d, start), dtype=np.float64)
-    except (ArithmeticError, RuntimeError, ValueError):  # LinAlgError is a ValueError
+    except Exception:  # whatever a library raises, it is no answer
         return None
     return np.maximum(f, 0.0) if f.shape == d.shape and np.isfinite(f).all() else None
 
