@@ -181,7 +181,7 @@ def _stop_parting(world: World, island: Island) -> None:
     pose = Pose.now(world.motion, world.bodies)
     problem = island.problem(pose, world.bodies)
     fastest = max(float(np.abs(pose.v[island.bodies]).max()), world.scales.speed)
-    if np.abs(problem.k.rate).max() > ULPS * fastest:
+    if np.abs(problem.k.rate).max(initial=0.0) > ULPS * fastest:
         island.change(world.motion, world.bodies, pose, nearest(problem.g, -problem.k.rate))
 
 
