@@ -121,6 +121,8 @@ class Mesh:
         return Mesh(tuple(map(tuple, moved.tolist())), self.triangles, self.convex)
 
 
+SLIVER = 1e-9  # height of a triangle, over the extent of its mesh, below which its normal is not worth having
+
 Shape = Sphere | Box | Capsule | Cylinder | HalfSpace | Mesh
 
 SHAPES: dict[str, type] = {s.__name__: s for s in (Sphere, Box, Capsule, Cylinder, HalfSpace, Mesh)}
@@ -154,6 +156,20 @@ def _indices(triangles: Sequence[Sequence[int]], count: int) -> tuple[tuple[int,
     return tuple(checked)
 
 
+def _check_fans(mesh: Mesh) -> None:
+    """Around every vertex the triangles form one closed fan: no two parts hang together at a point."""
+    around: list[dict[int, int]] = [{} for _ in mesh.vertices]
+    for i, j, k in mesh.triangles:
+        around[i][j], around[j][k], around[k][i] = k, i, j
+    for v, fan in enumerate(around):
+        first = at = next(iter(fan))
+        count = 0
+        while count == 0 or at != first:
+            at, count = fan[at], count + 1
+        if count != len(fan):
+            raise SceneError("vertices", mesh.vertices[v], f"a manifold (two parts touch at vertex {v})")
+
+
 def _check_closed(mesh: Mesh) -> None:
     if len(mesh.vertices) < 4 or len(mesh.triangles) < 4:
         raise SceneError("triangles", len(mesh.triangles), "at least 4 vertices and 4 triangles (a closed surface)")
@@ -169,6 +185,7 @@ def _check_closed(mesh: Mesh) -> None:
             raise SceneError("triangles", (i, j), "each directed edge once (inconsistent winding or not a manifold)")
         if (j, i) not in edges:
             raise SceneError("triangles", (i, j), f"a closed surface (open mesh: edge {i}-{j} has one triangle only)")
+    _check_fans(mesh)
     points = np.array(mesh.vertices)
     corners = points[np.array(mesh.triangles)]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -177,6 +194,11 @@ def _check_closed(mesh: Mesh) -> None:
     if twice_area.min() <= 1e-14 * scale**2:
         flat = int(np.argmin(twice_area))
         raise SceneError(f"triangles[{flat}]", mesh.triangles[flat], "an area (degenerate triangle)")
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    if (twice_area / longest).min() <= SLIVER * scale:
+        thin = int(np.argmin(twice_area / longest))
+        height = twice_area[thin] / longest[thin]
+        raise SceneError(f"triangles[{thin}]", mesh.triangles[thin], f"no sliver (its height is {height:g} m)")
     # divergence theorem about one vertex, so that a far offset does not cancel the volume away
     volume = float(np.einsum("ij,ij->", corners[:, 0] - points[0], normals)) / 6.0
     if volume <= 1e-14 * scale**3:

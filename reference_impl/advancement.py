@@ -41,11 +41,11 @@ def root(gap, rate, k):
 def room(gap, rate, tolerance, speed):
     """How far a pair with this gap [m] and rate [m/s] may come nearer [m].
 
-    A pair that parts keeps its overlap by rounding.  One within `tolerance` whose rate is below `speed` may
-    come as close as -`tolerance`, otherwise the search would stand still there.
+    A pair that parts keeps its overlap by rounding.  One within `tolerance` that does not approach may come as
+    close as -`tolerance`: otherwise the search would stand still there, and creep where a gap opens slowly.
     """
     out = gap if rate > speed else max(gap, 0.0)
-    if gap <= tolerance and abs(rate) <= speed:
+    if gap <= tolerance and rate >= -speed:
         out += tolerance
     return out
 
