@@ -228,7 +228,7 @@ ROCKS = {
 }
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(st.integers(0, 100_000), st.sampled_from(sorted(ROCKS)))
 def test_no_first_contact_of_tumbling_meshes_is_passed(seed, name):
     """Until the first impact no point of one is within the other; there they touch, and energy and momentum stay."""
