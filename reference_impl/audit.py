@@ -49,7 +49,7 @@ def knows_work(scene: Scene) -> bool:
 
 def kinetic_energy(world: World) -> float:
     """Kinetic energy of all moving bodies [J]."""
-    return float(_energies(world, np.flatnonzero(world.bodies.inverse_mass > 0.0), loaded=False).sum())
+    return float(_energies(world, np.flatnonzero(world.bodies.inverse_mass > 0.0))[:, 0].sum())
 
 
 def arrival(world: World, cluster: np.ndarray) -> float:
@@ -59,20 +59,20 @@ def arrival(world: World, cluster: np.ndarray) -> float:
     what it gained beyond their work is noted.
     """
     members = np.flatnonzero(cluster)
+    energies = _energies(world, members)
     if world.knows_work:
-        rise = float((_energies(world, members, loaded=True) - world.energy[members]).sum())
+        rise = float((energies[:, 1] - world.energy[members]).sum())
         world.audit.step_rise = max(world.audit.step_rise, rise)  # NaN at the first time is no rise
-    return float(_energies(world, members, loaded=False).sum())
+    return float(energies[:, 0].sum())
 
 
 def departure(world: World, cluster: np.ndarray, before: float) -> None:
     """Note what impacts and returns to rest have made of the kinetic energy `before` [J]."""
     members = np.flatnonzero(cluster)
+    energies = _energies(world, members)
     if not world.moving:
-        rise = float(_energies(world, members, loaded=False).sum()) - before
-        world.audit.energy_rise = max(world.audit.energy_rise, rise)
-    if world.knows_work:
-        world.energy[members] = _energies(world, members, loaded=True)
+        world.audit.energy_rise = max(world.audit.energy_rise, float(energies[:, 0].sum()) - before)
+    world.energy[members] = energies[:, 1]
 
 
 def watch(world: World, cluster: np.ndarray, lasted: np.ndarray) -> None:
@@ -98,14 +98,16 @@ def chatters(world: World, bodies: np.ndarray) -> bool:
 
     They are then settled without restitution, and what is back within a moment stays, until a time scale has passed.
     """
+    if world.audit.chatter == 0:
+        return False
     lately = world.t <= world.since[bodies] + world.scales.time
     return bool((lately & (world.changes[bodies] >= CHATTER)).any())
 
 
-def _energies(world: World, members: np.ndarray, loaded: bool) -> np.ndarray:
-    """Kinetic energy of each body [J]; if `loaded` with that of the constant loads that act now, -m a·x - F·p."""
-    m, b, out = world.motion, world.bodies, np.empty(len(members))
-    _energy(members, m.x, m.q, m.v, m.L, b.inverse_mass, b.inverse_inertia, b.acceleration, b.lever, loaded, out)
+def _energies(world: World, members: np.ndarray) -> np.ndarray:
+    """Kinetic energy of each body, and with that of the constant loads that act now, -m a·x - F·p (k, 2) [J]."""
+    m, b, out = world.motion, world.bodies, np.empty((len(members), 2))
+    _energy(members, m.x, m.q, m.v, m.L, b.inverse_mass, b.inverse_inertia, b.acceleration, b.lever, out)
     return out
 
 
@@ -130,17 +132,16 @@ def imbalance(
 
 
 @kernel
-def _energy(members, x, q, v, momentum, inverse_mass, inverse_inertia, acceleration, lever, loaded, out):
+def _energy(members, x, q, v, momentum, inverse_mass, inverse_inertia, acceleration, lever, out):
     for at in range(len(members)):
         i = members[at]
         rotation = matrix(q[i])
-        out[at] = 0.5 * dot(v[i], v[i]) / inverse_mass[i]
-        out[at] += 0.5 * dot(spin(rotation, inverse_inertia[i], momentum[i]), momentum[i])
-        if loaded:
-            out[at] -= dot(acceleration[i], x[i]) / inverse_mass[i]
-            for r in range(3):
-                for c in range(3):
-                    out[at] -= rotation[r, c] * lever[i, c, r]
+        spinning = 0.5 * dot(spin(rotation, inverse_inertia[i], momentum[i]), momentum[i])
+        out[at, 0] = 0.5 * dot(v[i], v[i]) / inverse_mass[i] + spinning
+        out[at, 1] = out[at, 0] - dot(acceleration[i], x[i]) / inverse_mass[i]
+        for r in range(3):
+            for c in range(3):
+                out[at, 1] -= rotation[r, c] * lever[i, c, r]
 
 
 @kernel

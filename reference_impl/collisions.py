@@ -3,8 +3,11 @@
 A contact whose restitution is e < 1 and whose gap closes with the constant acceleration a bounces infinitely often:
 struck at the speed u, it comes to rest after 2 e u / (a (1 - e)).  Once that time is a small share of the scene's
 own time scale, the contact is struck without restitution and lasts from then on.  It is the contact that passes to
-rest, not the body: a box does this at one corner while the rest of it still moves.  For a sphere on its own the share
-is so small that nothing of the motion is lost beyond rounding, and the time of rest is known exactly.
+rest, not the body: a box does this at one corner while the rest of it still moves.
+
+A sphere on its own bounces until its bounces are lower than the rounding of its position.  Nothing of the motion is
+lost then: what the remaining bounces would exchange along the normal, m (u + a t) up to the time t, is what the
+contact force exchanges, and friction is in proportion.  The time of rest follows from any bounce, best from the first.
 """
 
 from __future__ import annotations
@@ -25,7 +28,9 @@ from reference_impl.rough import exchange_friction, rough_collision
 from reference_impl.world import Collided, World
 
 ACCUMULATION = 1e-3  # bounces of a body that would all happen within this time are skipped [time scale]
-ACCUMULATION_ALONE = 1e-7  # the same for a sphere with one contact, whose bounces are cheap
+LAST_ALONE = 4e-8  # a shorter bounce of a sphere on its own is the last; 2e-16 of its size high [time scale]
+SAME_REST = 1e-10  # times of rest foreseen at two bounces that differ by less are the same [time scale, or the time]
+NOISE = 1e-14  # rounding of a gap [position]
 
 
 def alone(g: np.ndarray) -> bool:
@@ -85,18 +90,49 @@ def _restitution(world: World, island: Island, problem: Problem) -> Callable[[np
     e = world.restitution(island.contacts)
     if chatters(world, island.bodies):
         e[:] = 0.0
-    closing, by_itself = problem.closing(), alone(problem.g)
-    limit = (ACCUMULATION_ALONE if by_itself else ACCUMULATION) * world.scales.time
+    closing, limit = problem.closing(), ACCUMULATION * world.scales.time
+    if alone(problem.g) and problem.space is None:
+        found = float(problem.k.gap[0])
+        return lambda u: _alone(world, int(island.bodies[0]), u, float(closing[0]), float(e[0]), found)
+    # a body on one that lies still is pulled towards it though neither is in the sum of the loads
+    pull = np.where(closing > 0.0, closing, world.scales.speed / world.scales.time)
 
     def of(u: np.ndarray) -> np.ndarray:
         left = np.full(len(u), math.inf)
         ends = (u < 0.0) & (closing > 0.0) & (e < 1.0)
         left[ends] = 2.0 * e[ends] * -u[ends] / (closing[ends] * (1.0 - e[ends]))
-        if by_itself and left[0] < limit and e[0] > 0.0:
-            world.audit.last_bounce = world.t + float(left[0])
-        return np.where(left < limit, 0.0, e)
+        lost = (e < 1.0) & _unseen(e * u, problem.k.gap, pull)
+        return np.where(lost | (left < limit), 0.0, e)
 
     return of
+
+
+def _unseen(speed: np.ndarray, gap: np.ndarray, pull: np.ndarray) -> np.ndarray:
+    """Whether a bounce at `speed` [m/s] is not higher than the overlap at which the contact was found.
+
+    The search for contacts may be late by its tolerance, and what it finds so has fallen as much too far: bounces as
+    low as that would be kept alive by it.
+    """
+    return speed * speed <= 8.0 * pull * np.maximum(-gap, 0.0)
+
+
+def _alone(world: World, body: int, u: np.ndarray, closing: float, e: float, gap: float) -> np.ndarray:
+    """Coefficient of restitution (1,) of a sphere on its own; foresees its time of rest."""
+    if not (closing > 0.0 and u[0] < 0.0 and 0.0 < e < 1.0):
+        return np.full(1, e)
+    bounce = 2.0 * e * -float(u[0]) / closing
+    rest = world.t + bounce / (1.0 - e)
+    # a gap that is off by d shifts the speed of the bounce by a d / u, and so the time of rest by d / u (1 - e)
+    noise = NOISE * float(np.abs(world.motion.x[body]).max()) / (-float(u[0]) * (1.0 - e))
+    same = SAME_REST * max(world.scales.time, rest) + noise
+    if not abs(rest - world.foreseen[body]) <= same:  # NaN: foreseen for the first time
+        world.foreseen[body] = rest
+    # slower than twice what counts as parting the contact would seem to last, with its last impulses lost
+    short = bounce < LAST_ALONE * world.scales.time or -e * float(u[0]) <= 2.0 * world.search.parting
+    if not short and not _unseen(e * u, np.full(1, gap), np.full(1, closing))[0]:
+        return np.full(1, e)
+    world.audit.last_bounce = float(world.foreseen[body])
+    return np.zeros(1)
 
 
 def _exchange(world: World, island: Island, problem: Problem, impulses: np.ndarray) -> None:

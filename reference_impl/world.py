@@ -187,6 +187,7 @@ class World:
         init=False
     )  # (n,) of each body when its contacts were last looked at [J]; NaN: not known
     rested: np.ndarray = field(init=False)  # bodies that came to proven rest at some time
+    foreseen: np.ndarray = field(init=False)  # when each sphere will have bounced for the last time [s]
     changes: np.ndarray = field(init=False)  # how often each body has passed from flight to contact or back
     since: np.ndarray = field(init=False)  # since then [s]
     settled: np.ndarray = field(init=False)  # when the contacts of each body were last looked at [s]
@@ -211,6 +212,7 @@ class World:
         self.rested = np.zeros(n, dtype=bool)
         self.knows_work = knows_work(self.scene)
         self.energy = np.full(n, math.nan)
+        self.foreseen = np.full(n, math.nan)
         self.changes = np.zeros(n, dtype=np.int64)
         self.since = np.zeros(n)
         self.settled = np.full(n, -math.inf)
