@@ -129,7 +129,8 @@ def test_the_last_bounce_does_not_show(factor, monkeypatch):
     (a, first), (b, second) = ends
     assert first == pytest.approx(second, rel=4e-16)
     assert a.x[1] == pytest.approx(b.x[1], abs=1e-14 * 10.0)
-    assert a.v[1] == pytest.approx(b.v[1], abs=1e-14)
+    # up to the rounding of some fifty rough impacts at 3 m/s
+    assert a.v[1] == pytest.approx(b.v[1], abs=1e-13)
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])
