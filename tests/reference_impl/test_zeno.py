@@ -72,7 +72,8 @@ def test_on_an_accelerating_floor_the_relative_acceleration_counts(e, lift):
     world, time = dropped(e, 0.3, floor=floor), rest_after(0.3, G + lift, e)
     advance(world, time + 0.2)
     assert world.audit.last_bounce == pytest.approx(time, rel=1e-14)
-    assert world.state().x[1, 2] == pytest.approx(0.1 + 0.5 * lift * world.t**2, abs=1e-13)
+    # a contact keeps the gap at which it was found, up to 1e-12 of the radius, beside the rounding of up to 51 m
+    assert world.state().x[1, 2] == pytest.approx(0.1 + 0.5 * lift * world.t**2, abs=1.5e-13)
     assert sum(h.force for h in world.forces) == pytest.approx(2.0 * (G + lift), rel=1e-12)
 
 
