@@ -136,8 +136,8 @@ def approach_boxes(
             if kept >= 0:
                 if k != kept or not axis(k, ra, rb, r, n):
                     continue
-            elif values[k] < 0.5 * values[best] and k != best:
-                continue
+            elif values[k] < min(0.5 * values[best], values[best] - reach):
+                continue  # at a touch several axes separate to rounding, and only some go on to do so
             else:
                 axis(k, ra, rb, r, n)
             _turning(k, ra, wa, rb, wb, n, dn)
