@@ -176,8 +176,8 @@ def test_a_wing_nut_keeps_energy_and_momentum_for_a_hundred_seconds(moments, w):
 
 @pytest.mark.xfail(
     strict=True,
-    reason="attitude 2e-10 and 1e-7 instead of 1e-10 (the closed form errs by 2e-13): the momentum in the body is formed "
-    "anew from q and L at every segment, and its rounding, 1e-15 of |L|², is much beside |L|² - 2 T I₂, here 1e-8 |L|²",
+    reason="attitude 2e-10 and 1e-7 instead of 1e-10 (the closed form errs by 2e-13): the momentum in the body is "
+    "formed anew from q and L at every segment, and its rounding, 1e-15 |L|², is much beside |L|² - 2 T I₂, 1e-8 |L|²",
 )
 @pytest.mark.parametrize(("moments", "w"), WING_NUTS)
 def test_a_wing_nut_turns_over_for_a_hundred_seconds(moments, w):

@@ -33,7 +33,7 @@ KINDS = {
 }  # fmt: skip
 
 
-@pytest.fixture(params=[(kind, seed) for kind in KINDS for seed in range(3)], ids=lambda p: f"{p[0]}-{p[1]}")
+@pytest.fixture(params=[(kind, seed) for kind in KINDS for seed in range(2)], ids=lambda p: f"{p[0]}-{p[1]}")
 def case(request, scenes):
     """A scene, when it ends [s], and by how much rounding may change its end."""
     kind, seed = request.param
@@ -68,8 +68,7 @@ def test_the_mirror_image_of_a_motion_is_a_motion(case, scenes):
                  motion) <= tolerance  # fmt: skip
 
 
-@pytest.mark.parametrize(("length", "time", "mass"), [(1e3, 1.0, 1.0), (1e-3, 1.0, 1.0), (1.0, 1e3, 1.0),
-                                                      (1.0, 1e-3, 1.0), (1.0, 1.0, 1e6), (1e-3, 10.0, 1e-3)])  # fmt: skip
+@pytest.mark.parametrize(("length", "time", "mass"), [(1e3, 1.0, 1.0), (1.0, 1e-3, 1.0), (1e-3, 10.0, 1e6)])
 def test_units_do_not_matter(case, scenes, length, time, mass):
     scene, end, tolerance = case
     motion = simulate(scene, (0.0, end))
@@ -102,13 +101,11 @@ def test_where_the_floor_stands_in_the_list_changes_no_bit(scenes, told):
     assert all((getattr(other, name)[-1, ::-1] == getattr(motion, name)[-1]).all() for name in ("x", "q", "v", "w"))
 
 
-@pytest.mark.parametrize("boost", [(0.3, -0.2, 0.1), (5.0, 0.0, 2.0)])
+@pytest.mark.parametrize("boost", [(0.3, -0.2, 0.1), (4.0, 0.0, 2.0)])
 def test_a_steady_motion_of_everything_is_not_felt(case, scenes, boost):
     scene, end, tolerance = case
-    if any(isinstance(e, Drag) for e in scene.effects):
-        # the air would have to move along
-        assert Drag in scene.needs
-        return
+    if Drag in scene.needs:
+        pytest.skip("the air would have to move along")
     bodies = tuple(SLAB if b.name == "floor" else b for b in scene.bodies)
     scene = Scene(bodies, scene.effects)
     motion, other = simulate(scene, (0.0, end)), simulate(scenes.turned(scene, boost=boost), (0.0, end))
@@ -131,8 +128,6 @@ def test_elastic_motion_runs_back_where_it_came_from(scenes, seed, boxes):
 
 def test_a_motion_can_be_taken_up_where_it_stood(case, scenes):
     scene, end, tolerance = case
-    if any(isinstance(e, Force) for e in scene.effects):
-        return  # a constant force does not care when it began
     motion = simulate(scene, (0.0, 0.4 * end, end))
     other = simulate(scenes.continued(scene, motion.at(1)), (0.0, 0.6 * end))
     assert apart(other.x[-1], other.q[-1], other.v[-1], other.w[-1], motion) <= 10.0 * tolerance
