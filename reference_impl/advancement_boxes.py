@@ -160,7 +160,7 @@ def approach_boxes(
             return end, CLEAR, count
         if longest >= 0.0 and limit[0] <= tolerance and limit[1] < -speed:
             return t + longest, HIT, count
-        t += max(longest, 1e-16 * (1.0 + abs(t)))
+        t += max(longest, 2e-16 * (window + abs(t)))
     return t, TIRED, EVALUATIONS
 
 
@@ -202,7 +202,7 @@ def approach_sphere(
             return end, CLEAR, count
         if out[0] <= tolerance and out[1] < -speed:
             return t + s, HIT, count
-        t += max(s, 1e-16 * (1.0 + abs(t)))
+        t += max(s, 2e-16 * (window + abs(t)))
     return t, TIRED, EVALUATIONS
 
 

@@ -214,7 +214,7 @@ def approach_sphere_cylinder(
             return end, CLEAR, count
         if limit[0] <= tolerance and limit[1] < -speed:
             return t + least, HIT, count
-        t += max(least, 1e-16 * (1.0 + abs(t)))
+        t += max(least, 2e-16 * (window + abs(t)))
     return t, TIRED, EVALUATIONS
 
 
