@@ -23,18 +23,19 @@ from mechanics.scene import Scene
 from mechanics.trajectory import Trajectory
 from reference_impl import lasting
 from reference_impl.assemble import IMPULSES, Table, assemble
+from reference_impl.bounces.flock import Flock, suits
 from reference_impl.collide.detect import COARSE, Detector, Search, kinematics, rotations
 from reference_impl.effects import tether
 from reference_impl.errors import Overlap, Stalled
 from reference_impl.links import Links
 from reference_impl.settle import settle
 from reference_impl.state import Bodies, bodies_of, motion_of
-from reference_impl.world import Scales, Settings, World
+from reference_impl.world import HELD, Scales, Settings, World
 
 TOUCH = 1e-9  # features closer than this touch [smallest body size]
 QUIET = 1e-12  # slower approach is none [speed scale]
 PART = 1e-9  # slower separation is none [speed scale]
-CROWD = 100_000  # events allowed within a thousandth of the scene's time scale
+CROWD = 100_000  # turns of the algorithm allowed within a thousandth of the scene's time scale
 
 
 def simulate(scene: Scene, times: Sequence[float], settings: Settings | None = None) -> Trajectory:
@@ -84,6 +85,8 @@ def begin(scene: Scene, settings: Settings | None = None, table: Table = IMPULSE
     _refuse_overlap(world)
     for i in range(len(scene.bodies)):
         world.launch(i)
+    if suits(world):
+        world.flock = Flock(world)
     return world
 
 
@@ -97,32 +100,46 @@ def advance(world: World, duration: float) -> None:
     """
     target = world.t + duration
     budget = world.audit.events + world.settings.events
-    crowd = (world.t, world.audit.events)
+    since, turns = world.t, 0
     while world.t < target:
         if world.dirty.any():
             settle(world)
             lasting.embark(world, _next_switch(world))
         if not world.dirty.any():  # else impulses have taken the place of forces, at this very time
-            _move(world, target)
+            _move(world, target, budget + 1 - world.audit.events)
         if world.audit.events > budget:
             raise Stalled(f"more than {world.settings.events} contacts in one call", world.t)
-        if world.t > crowd[0] + 1e-3 * world.scales.time:
-            crowd = (world.t, world.audit.events)
-        elif world.audit.events > crowd[1] + CROWD:
+        turns += 1
+        if world.t > since + 1e-3 * world.scales.time:
+            since, turns = world.t, 0
+        elif turns > CROWD:
             raise Stalled(f"more than {CROWD} contacts without progress in time", world.t)
     lasting.show(world)
 
 
-def _move(world: World, target: float) -> None:
-    """All bodies on their ways: to the first contact, the first end of a step, or to `target` [s]."""
-    time, pair = world.first_hit(min(target, _next_switch(world), float(world.motion.end.min())))
-    if pair >= 0 and not lasting.cut(world, pair, time):
-        return
-    world.carry(time)
-    lasting.arrive(world)
-    if pair >= 0:
-        world.dirty[world.detector.pairs[pair]] = True
-        world.clear[pair], world.hits[pair] = time, False
+def _move(world: World, target: float, events: int) -> None:
+    """All bodies on their ways: to the first contact, the first end of a step, or to `target` [s].
+
+    Where all fly, isolated bounces of spheres on the way are dealt with there, at most `events` of them.
+    """
+    limit = min(target, _next_switch(world), float(world.motion.end.min()))
+    met: Sequence[int] = ()
+    if world.flock is not None and not (world.mode == HELD).any():
+        time, met, bounced = world.flock.run(world, limit, events)
+        world.carry(time)
+        if bounced:
+            world.forget(np.ones(len(world.dirty), dtype=bool))
+    else:
+        time, pair = world.first_hit(limit)
+        if pair >= 0 and not lasting.cut(world, pair, time):
+            return
+        world.carry(time)
+        lasting.arrive(world)
+        if pair >= 0:
+            met = world.detector.pairs[pair].tolist()
+            world.clear[pair], world.hits[pair] = time, False
+    if len(met):
+        world.dirty[list(met)] = True
     elif time == _next_switch(world, before=time):
         _switch(world)
     world.renew()

@@ -32,7 +32,8 @@ class Bracket(NamedTuple):
     overlap: float  # gap at high [m], < 0
 
 
-def parabola(gap: float, rate: float, acceleration: float) -> float:
+@kernel
+def parabola(gap, rate, acceleration):
     """First time s > 0 at which gap + rate s + ½ acceleration s² falls to zero [s]; inf if it never does.
 
     Bodies that part from a touch, or from an overlap by rounding, meet again when they come back to
@@ -43,31 +44,34 @@ def parabola(gap: float, rate: float, acceleration: float) -> float:
     square = rate * rate - 2.0 * acceleration * gap
     if square < 0.0:
         if gap > 0.0:
-            return math.inf
+            return np.inf
         square = rate * rate  # an overlap that never opens counts as a touch
     root = math.sqrt(square)
     if rate < 0.0:
         return 2.0 * gap / (root - rate)
     if acceleration >= 0.0:
-        return math.inf
+        return np.inf
     return (rate + root) / -acceleration
 
 
-def spheres_meet(r: np.ndarray, v: np.ndarray, radii: float) -> float:
+@kernel
+def spheres_meet(r, v, radii):
     """First time s >= 0 at which |r + v s| = radii while it decreases [s]; inf if never.
 
     The gap function is |r|² - radii², divided by its scale so that it is a length.
     """
-    approach = float(r @ v)
+    approach = dot(r, v)
     if approach >= 0.0:
-        return math.inf
-    distance = math.sqrt(float(r @ r))
-    square = float(v @ v)
+        return np.inf
+    square, distance = dot(v, v), norm(r)
     # the square of what the spheres miss each other by, from the part of v across r (no cancellation)
-    across = v - r * (approach / (distance * distance))
-    miss = distance * distance * float(across @ across) / square
+    along = approach / (distance * distance)
+    across = 0.0
+    for c in range(3):
+        across += (v[c] - r[c] * along) ** 2
+    miss = distance * distance * across / square
     if miss > radii * radii:
-        return math.inf
+        return np.inf
     excess = max(distance - radii, 0.0) * (distance + radii)
     return excess / (-approach + math.sqrt(square * (radii * radii - miss)))
 

@@ -21,11 +21,15 @@ from reference_impl.integrators import carry, driven_flight, driven_momentum, fr
 from reference_impl.kernels import spin
 from reference_impl.links import Links
 from reference_impl.parts import Parts
+from reference_impl.record import Collided, Record
 from reference_impl.state import Bodies, Motion
 from reference_impl.time_of_contact import METHODS
 
 if TYPE_CHECKING:
+    from reference_impl.bounces.flock import Flock
     from reference_impl.course import Course
+
+__all__ = ["FLYING", "HELD", "STILL", "Audit", "Collided", "Held", "Record", "Scales", "Settings", "World"]
 
 FLYING, HELD, STILL = 0, 1, 2  # free; under contact forces; at rest for good until something touches it
 HORIZON = 10.0  # how far ahead a pair is searched for a contact at once [time scale, or what lies behind]
@@ -99,17 +103,6 @@ class Scales(NamedTuple):
     length: float  # size of the smallest moving body, or what rounding of coordinates allows [m]
     speed: float  # of falling through that size, or of the fastest body at the start [m/s]
     time: float  # [s]
-
-
-class Collided(NamedTuple):
-    """One impulse that was exchanged."""
-
-    time: float  # [s]
-    a: int
-    b: int
-    point: tuple[float, float, float]  # [m]
-    normal: tuple[float, float, float]  # unit, from b to a
-    impulse: float  # on a along the normal [N s]
 
 
 class Held(NamedTuple):
@@ -198,8 +191,9 @@ class World:
     pace: np.ndarray = field(init=False)  # (n,) step proposed for each body in lasting contact [s]
     forces: list[Held] = field(default_factory=list)
     pushing: set[tuple[int, int, int, int]] = field(default_factory=set)
-    events: list[Collided] = field(default_factory=list)
+    events: Record = field(default_factory=Record)
     incidents: list[Incident] = field(default_factory=list)
+    flock: Flock | None = None  # bodies as the loop of bounces sees them, in scenes that suit it
     audit: Audit = field(default_factory=Audit)
 
     def __post_init__(self) -> None:
@@ -301,6 +295,8 @@ class World:
             m.q_series[i, 0] = m.q[i]
             m.bounds[i, :3] = acceleration
         m.end[i] = m.t + span
+        if self.flock is not None:
+            self.flock.fresh[i] = True
 
     def forget(self, changed: np.ndarray) -> None:
         """Look anew for contacts of the bodies in `changed` (boolean), whose motion is another now."""

@@ -1,0 +1,159 @@
+"""What is due next, and who is near: a tournament of all bodies, and a grid of cells.
+
+A body has one row of numbers (`real`) and one of whole numbers (`whole`), so that what an event needs of
+it lies together in memory; the names below are the columns.  Every body has its own clock: its position is that
+of the parabola from `BEGIN` on.  Clocks have two parts, whose sum is the time: events may be
+closer together than the rounding of the time itself (Galperin's blocks), and are still in order.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from reference_impl.kernels import kernel
+from reference_impl.time_of_contact import parabola
+
+X, V, A = 0, 3, 6  # position, velocity and acceleration
+BEGIN, BEGIN_REST = 9, 10  # when the parabola begins [s]
+RADIUS, LIGHT, TURN = 11, 12, 13  # inverse mass and inverse moment
+CROSS = 14  # when the body leaves its cell
+HIT, HIT_REST = 15, 16  # next meeting, or until when nothing is met
+DUE, DUE_REST = 17, 18  # the earlier of both
+NORMAL, Q, L = 19, 22, 26  # of a half-space; attitude and angular momentum
+REALS = 29
+
+WALL, STILL, EVERYWHERE, GROUP = 0, 1, 2, 3  # half-space; at rest for good; not in the grid; row of the law's tables
+PARTNER, STAMP, COUNT = 4, 5, 6  # of the next meeting, its count then; how often this body's motion has changed
+CELL, INSIDE, SIDE, NEXT, BEFORE = 7, 10, 11, 12, 13  # cell (3), whether it is in it, side it leaves by, its bucket
+CHANGED = 14  # motion that Python does not know yet
+WHOLES = 15
+
+NOBODY = -1
+
+# a call would hand over every array as a dozen numbers, which costs more than what the smallest kernels do
+inlined = njit(cache=True, error_model="numpy", forceinline=True)
+
+
+@inlined
+def place(real, i, hi, lo, desk, at):
+    """Position and velocity of body i at time hi + lo into row `at` of `desk` (rows, 6)."""
+    s = (hi - real[i, BEGIN]) + (lo - real[i, BEGIN_REST])
+    for c in range(3):
+        v, a = real[i, V + c], real[i, A + c]
+        desk[at, c] = real[i, X + c] + s * (v + 0.5 * a * s)
+        desk[at, 3 + c] = v + a * s
+
+
+@inlined
+def earlier(real, i, j):
+    """Whether what body i has to do comes before that of j."""
+    if real[i, DUE] != real[j, DUE]:
+        return real[i, DUE] < real[j, DUE]
+    return real[i, DUE_REST] < real[j, DUE_REST]
+
+
+@kernel
+def schedule(real, tree, i):
+    """Put the next event of body i in its place; the first of all is tree[1]."""
+    if real[i, CROSS] < real[i, HIT]:
+        real[i, DUE], real[i, DUE_REST] = real[i, CROSS], 0.0
+    else:
+        real[i, DUE], real[i, DUE_REST] = real[i, HIT], real[i, HIT_REST]
+    node = (i + len(tree) // 2) >> 1
+    while node > 0:
+        first, second = tree[2 * node], tree[2 * node + 1]
+        tree[node] = second if second != NOBODY and earlier(real, second, first) else first
+        node >>= 1
+
+
+@inlined
+def bucket(head, x, y, z):
+    """Bucket of the cell x, y, z; the number of buckets is a power of two."""
+    return ((x * 73856093) ^ (y * 19349663) ^ (z * 83492791)) & (len(head) - 1)
+
+
+@kernel
+def leave(whole, head, i):
+    """Take body i out of its cell."""
+    after, before = whole[i, NEXT], whole[i, BEFORE]
+    if after != NOBODY:
+        whole[after, BEFORE] = before
+    if before != NOBODY:
+        whole[before, NEXT] = after
+    else:
+        head[bucket(head, whole[i, CELL], whole[i, CELL + 1], whole[i, CELL + 2])] = after
+
+
+@kernel
+def enter(whole, head, i):
+    """Put body i into the cell its row names."""
+    at = bucket(head, whole[i, CELL], whole[i, CELL + 1], whole[i, CELL + 2])
+    whole[i, NEXT], whole[i, BEFORE] = head[at], NOBODY
+    if head[at] != NOBODY:
+        whole[head[at], BEFORE] = i
+    head[at] = i
+
+
+@kernel
+def next_cell(real, whole, i, desk, at, hi, lo, cell):
+    """Find when body i, now at row `at` of `desk`, leaves its cell of edge `cell` [m], and by which side."""
+    real[i, CROSS] = np.inf
+    for c in range(3):
+        v, a = desk[at, 3 + c], real[i, A + c]
+        if v == 0.0 and a == 0.0:
+            continue
+        low = desk[at, c] - cell * whole[i, CELL + c]
+        below, above = parabola(low, v, a), parabola(cell - low, -v, -a)
+        t = hi + (lo + min(below, above))
+        if t < real[i, CROSS]:
+            real[i, CROSS] = t
+            whole[i, SIDE] = 2 * c + (1 if above < below else 0)
+
+
+@kernel
+def cross_over(whole, head, i):
+    """Move body i to the next cell by the side it leaves."""
+    leave(whole, head, i)
+    c = whole[i, SIDE] // 2
+    whole[i, CELL + c] += 1 if whole[i, SIDE] % 2 == 1 else -1
+    enter(whole, head, i)
+
+
+@kernel
+def around(whole, head, everywhere, i, entered, near):
+    """Bodies that i may meet before it or they change cells, into `near`; returns how many.
+
+    With `entered`, only those in the cells that have come near since it entered its cell.
+    """
+    count = 0
+    if whole[i, EVERYWHERE] == 1:
+        for k in range(len(whole)):
+            if k != i:
+                near[count] = k
+                count += 1
+        return count
+    x0 = y0 = z0 = -1
+    x1 = y1 = z1 = 1
+    if entered:
+        axis, edge = whole[i, SIDE] // 2, 1 if whole[i, SIDE] % 2 == 1 else -1
+        if axis == 0:
+            x0 = x1 = edge
+        elif axis == 1:
+            y0 = y1 = edge
+        else:
+            z0 = z1 = edge
+    else:
+        for k in everywhere:
+            near[count] = k
+            count += 1
+    for x in range(whole[i, CELL] + x0, whole[i, CELL] + x1 + 1):
+        for y in range(whole[i, CELL + 1] + y0, whole[i, CELL + 1] + y1 + 1):
+            for z in range(whole[i, CELL + 2] + z0, whole[i, CELL + 2] + z1 + 1):
+                k = head[bucket(head, x, y, z)]
+                while k != NOBODY:
+                    if k != i and whole[k, CELL] == x and whole[k, CELL + 1] == y and whole[k, CELL + 2] == z:
+                        near[count] = k
+                        count += 1
+                    k = whole[k, NEXT]
+    return count
