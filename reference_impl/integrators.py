@@ -185,21 +185,89 @@ def where(s, x_series, q_series, x, v, q, rate):
 def carry(t, plain, inverse_inertia, x, v, q, momentum, begin, x_series, q_series):
     """Set position, velocity and attitude of every body to what its polynomials say at time t.
 
-    A `plain` body turns at a constant angular velocity and its attitude is exact.
+    A `plain` body turns at a constant angular velocity and its attitude is exact.  A path whose terms of order
+    three to five are zero is a parabola: drag has them all, and motion in lasting contact has no others.
     """
-    rate = np.empty(4)
     for i in range(len(x)):
         s = t - begin[i]
-        where(s, x_series[i], q_series[i], x[i], v[i], q[i], rate)
+        parabolic = True
+        for c in range(3):
+            if x_series[i, 3, c] != 0.0 or x_series[i, 4, c] != 0.0 or x_series[i, 5, c] != 0.0:
+                parabolic = False
+        top = 2 if parabolic else ORDER
+        for c in range(3):
+            p = x_series[i, top, c]
+            d = 0.0
+            for k in range(top - 1, -1, -1):
+                d = d * s + p
+                p = p * s + x_series[i, k, c]
+            x[i, c] = p
+            v[i, c] = d
         if plain[i]:
             angle = apply(inverse_inertia[i], momentum[i])
             for c in range(3):
                 angle[c] *= s
             q[i] = turned(q_series[i, 0], angle)
-        elif s != 0.0:
-            size = math.sqrt(q[i, 0] ** 2 + q[i, 1] ** 2 + q[i, 2] ** 2 + q[i, 3] ** 2)
-            for c in range(4):
-                q[i, c] /= size
+            continue
+        still = True
+        for c in range(4):
+            q[i, c] = q_series[i, 0, c]
+            still = still and q_series[i, 1, c] == 0.0 and q_series[i, 2, c] == 0.0
+        if still or s == 0.0:
+            continue
+        a, b, f, g = q_series[i, ORDER]
+        for k in range(ORDER - 1, -1, -1):
+            a = a * s + q_series[i, k, 0]
+            b = b * s + q_series[i, k, 1]
+            f = f * s + q_series[i, k, 2]
+            g = g * s + q_series[i, k, 3]
+        size = math.sqrt(a * a + b * b + f * f + g * g)
+        q[i, 0], q[i, 1], q[i, 2], q[i, 3] = a / size, b / size, f / size, g / size
+
+
+@kernel
+def free_flights(which, t, x, v, q, momentum, acceleration, drag, inverse, quickness, unevenness, begin, end, start,
+                 x_series, q_series, bounds):  # fmt: skip
+    """`free_flight` of the turning bodies `which` from time t on."""
+    for i in which:
+        begin[i] = t
+        for c in range(3):
+            start[i, c] = momentum[i, c]
+        span = free_flight(
+            x[i], v[i], q[i], momentum[i], acceleration[i], drag[i], inverse[i], quickness[i], unevenness[i], True,
+            x_series[i], q_series[i], bounds[i],
+        )  # fmt: skip
+        end[i] = t + span
+
+
+@kernel
+def spins(q, inverse_inertia, momentum, w):
+    """Angular velocities R I⁻¹ Rᵀ L of all bodies into `w` (n, 3) [rad/s]."""
+    body = np.empty(3)
+    turn = np.empty(3)
+    for i in range(len(q)):
+        l = momentum[i]
+        if l[0] == 0.0 and l[1] == 0.0 and l[2] == 0.0:
+            w[i, 0] = w[i, 1] = w[i, 2] = 0.0
+            continue
+        a, b, f, g = q[i]
+        s = 2.0 / (a * a + b * b + f * f + g * g)
+        xx, yy, zz = 1.0 - s * (f * f + g * g), 1.0 - s * (b * b + g * g), 1.0 - s * (b * b + f * f)
+        xy, yx = s * (b * f - a * g), s * (b * f + a * g)
+        xz, zx = s * (b * g + a * f), s * (b * g - a * f)
+        yz, zy = s * (f * g - a * b), s * (f * g + a * b)
+        body[0] = xx * l[0] + yx * l[1] + zx * l[2]
+        body[1] = xy * l[0] + yy * l[1] + zy * l[2]
+        body[2] = xz * l[0] + yz * l[1] + zz * l[2]
+        for c in range(3):
+            turn[c] = (
+                inverse_inertia[i, c, 0] * body[0]
+                + inverse_inertia[i, c, 1] * body[1]
+                + inverse_inertia[i, c, 2] * body[2]
+            )
+        w[i, 0] = xx * turn[0] + xy * turn[1] + xz * turn[2]
+        w[i, 1] = yx * turn[0] + yy * turn[1] + yz * turn[2]
+        w[i, 2] = zx * turn[0] + zy * turn[1] + zz * turn[2]
 
 
 @kernel

@@ -11,14 +11,13 @@ import numpy as np
 from mechanics.scene import Scene
 from mechanics.trajectory import State
 from reference_impl.audit import knows_work
-from reference_impl.collide.detect import Contacts, Detector, Search, rotations
+from reference_impl.collide.detect import Contacts, Detector, Search
 from reference_impl.contact_problem import SOLVERS, Kept
 from reference_impl.effects.impact import LAWS
 from reference_impl.effects.phases import HYPOTHESES
 from reference_impl.errors import Stalled, Unsupported
 from reference_impl.friction_problem import MODELS
-from reference_impl.integrators import carry, driven_flight, driven_momentum, free_flight
-from reference_impl.kernels import spin
+from reference_impl.integrators import carry, driven_flight, driven_momentum, free_flight, free_flights, spins
 from reference_impl.links import Links
 from reference_impl.parts import Parts
 from reference_impl.record import Collided, Record
@@ -255,10 +254,9 @@ class World:
 
     def angular_velocities(self) -> np.ndarray:
         """World angular velocities (n, 3) [rad/s]."""
-        m = self.motion
-        return np.array(
-            [spin(r, i, one) for r, i, one in zip(rotations(m.q), self.bodies.inverse_inertia, m.L, strict=True)]
-        )
+        w = np.empty((len(self.mode), 3))
+        spins(self.motion.q, self.bodies.inverse_inertia, self.motion.L, w)
+        return w
 
     def state(self) -> State:
         """State of all bodies now, in scene order."""
@@ -316,7 +314,17 @@ class World:
 
     def renew(self) -> None:
         """Continue the flights whose polynomials end now."""
-        for i in np.flatnonzero((self.motion.end <= self.t) & (self.mode == FLYING)):
+        m, b = self.motion, self.bodies
+        due = (m.end <= m.t) & (self.mode == FLYING)
+        if not due.any():
+            return
+        turning = due & (b.quickness > 0.0) & ~b.plain & ~b.twisted
+        if turning.any():
+            free_flights(
+                np.flatnonzero(turning), m.t, m.x, m.v, m.q, m.L, b.acceleration, b.drag, b.inverse_inertia,
+                b.quickness, b.unevenness, m.begin, m.end, m.start, m.x_series, m.q_series, m.bounds,
+            )  # fmt: skip
+        for i in np.flatnonzero(due & ~turning):
             self.launch(i)
 
     def first_hit(self, limit: float) -> tuple[float, int]:

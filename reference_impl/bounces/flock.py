@@ -9,6 +9,7 @@ import numpy as np
 
 from mechanics.effects import Force, Friction, Gravity, PairEffect, Resting, Restitution, Rotation
 from reference_impl.bounces import loop, queue
+from reference_impl.bounces.line import DEEP, GAIN, PACE, PLACE, TIME, Line, bounce_in_line, line_of
 from reference_impl.errors import Stalled
 from reference_impl.parts import Load
 from reference_impl.settle import ACCUMULATION_ALONE, RETURN_ALONE
@@ -159,6 +160,9 @@ class Flock:
         Stalled
             If bodies change cells for ever.
         """
+        line = line_of(world, bool(self.friction.any()))
+        if line is not None:
+            return self._run_line(world, line, limit, events)
         f, audit, record = self.figures, world.audit, world.events
         if self.time != world.t:
             self.fresh[:] = True
@@ -179,23 +183,46 @@ class Flock:
             turns += TURNS
             if turns > CROSSINGS * (world.settings.events + TURNS):
                 raise Stalled("bodies in flight change cells for ever", float(f[loop.NOW]))
-        self._report(world)
+        self._report(world, *self.counts[:2].tolist(), float(f[loop.DEEPEST]), float(f[loop.RISE]))
+        world.search.evaluations += int(self.counts[loop.SEARCHES])
         met = () if end != loop.MEETING else (int(self.counts[loop.FIRST]), int(self.counts[loop.SECOND]))
         self.time = float(f[loop.NOW])
         return self.time, met, self._give(world)
 
-    def _report(self, world: World) -> None:
-        """What the loop did, on record and in the audit."""
-        audit, events = world.audit, int(self.counts[loop.EVENTS])
-        world.events.filled(int(self.counts[loop.RECORDED]))
-        world.search.evaluations += int(self.counts[loop.SEARCHES])
+    def _run_line(self, world: World, line: Line, limit: float, events: int) -> tuple[float, tuple[int, ...], bool]:
+        """`run` where all bodies are on one line."""
+        audit, record, m = world.audit, world.events, world.motion
+        group = self.whole[line.who, queue.GROUP]
+        e, search = self.restitution[group[:-1], group[1:]], world.search
+        clock = np.array([world.t, 0.0, search.speed, line.coarse, search.parting, audit.gap, audit.energy_rise])
+        counts, end = np.array([0, len(record), 0]), loop.PAUSED
+        while end == loop.FULL or (end == loop.PAUSED and counts[0] < events):
+            if end == loop.FULL:
+                record.grow()
+            end = bounce_in_line(
+                line.row, line.gaps, e, line.who, line.axis, line.across, record.ends, record.numbers, clock, counts,
+                limit, events, TURNS,
+            )  # fmt: skip
+        self._report(world, int(counts[0]), int(counts[1]), clock[DEEP], clock[GAIN])
+        met = () if end != loop.MEETING else tuple(line.who[counts[2] : counts[2] + 2].tolist())
+        if counts[0]:
+            world.carry(float(clock[TIME]))
+            m.x[line.who, line.axis], m.v[line.who, line.axis] = line.row[:, PLACE], line.row[:, PACE]
+            for i in line.who.tolist():
+                world.launch(i)
+        return float(clock[TIME]), met, bool(counts[0])
+
+    def _report(self, world: World, events: int, recorded: int, deepest: float, rise: float) -> None:
+        """What was done, on record and in the audit."""
+        audit = world.audit
+        world.events.filled(recorded)
         audit.events += events
         audit.impacts += events
-        audit.gap = float(self.figures[loop.DEEPEST])
+        audit.gap = float(deepest)
         if events:
             audit.passes = max(audit.passes, 1)
         if not world.moving:
-            audit.energy_rise = float(self.figures[loop.RISE])
+            audit.energy_rise = float(rise)
 
 
 def _more_than_pulls(load: Load) -> bool:

@@ -342,8 +342,10 @@ def bounces(turning: bool, rough: bool) -> Any:
     """
 
     @kernel
-    def run(real, whole, head, tree, everywhere, restitution, friction, near, also, desk, beside, work, n, ends, numbers,
-            figures, counts, limit, events, turns):  # fmt: skip
+    def run(
+        real, whole, head, tree, everywhere, restitution, friction, near, also, desk, beside, work, n, ends, numbers,
+        figures, counts, limit, events, turns
+    ):  # fmt: skip
         quiet = figures[QUIET]
         for _ in range(turns):
             i = tree[1]

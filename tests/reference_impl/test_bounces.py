@@ -1,4 +1,4 @@
-"""Bounces in the compiled loop: the same events as the general algorithm, conserved quantities, reversal, degenerate cases."""
+"""Bounces in the compiled loop: as the general algorithm has them, conserved quantities, reversal, degenerate cases."""
 
 import math
 
