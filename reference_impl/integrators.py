@@ -226,18 +226,29 @@ def carry(t, plain, inverse_inertia, x, v, q, momentum, begin, x_series, q_serie
 
 
 @kernel
-def free_flights(which, t, x, v, q, momentum, acceleration, drag, inverse, quickness, unevenness, begin, end, start,
-                 x_series, q_series, bounds):  # fmt: skip
-    """`free_flight` of the turning bodies `which` from time t on."""
-    for i in which:
-        begin[i] = t
-        for c in range(3):
-            start[i, c] = momentum[i, c]
-        span = free_flight(
-            x[i], v[i], q[i], momentum[i], acceleration[i], drag[i], inverse[i], quickness[i], unevenness[i], True,
-            x_series[i], q_series[i], bounds[i],
-        )  # fmt: skip
-        end[i] = t + span
+def fly_on(t, free, turning, x, v, q, momentum, acceleration, drag, inverse, quickness, unevenness, begin, end, start,
+           x_series, q_series, bounds):  # fmt: skip
+    """Continue the flights of the bodies `free` that end by time t, each at its own time, until all last beyond t.
+
+    Returns the number of a body whose series last no time at all, or -1.
+    """
+    rate = np.empty(4)
+    for i in range(len(free)):
+        while free[i] and end[i] <= t:
+            where(end[i] - begin[i], x_series[i], q_series[i], x[i], v[i], q[i], rate)
+            size = math.sqrt(q[i, 0] ** 2 + q[i, 1] ** 2 + q[i, 2] ** 2 + q[i, 3] ** 2)
+            for c in range(4):
+                q[i, c] /= size
+            for c in range(3):
+                start[i, c] = momentum[i, c]
+            begin[i] = end[i]
+            end[i] += free_flight(
+                x[i], v[i], q[i], momentum[i], acceleration[i], drag[i], inverse[i], quickness[i], unevenness[i],
+                turning[i], x_series[i], q_series[i], bounds[i],
+            )  # fmt: skip
+            if not end[i] > begin[i]:
+                return i
+    return -1
 
 
 @kernel

@@ -122,7 +122,7 @@ def _move(world: World, target: float, events: int) -> None:
 
     Where all fly, isolated bounces of spheres on the way are dealt with there, at most `events` of them.
     """
-    limit = min(target, _next_switch(world), float(world.motion.end.min()))
+    limit = min(target, _next_switch(world), world.horizon())
     met: Sequence[int] = ()
     if world.flock is not None and not (world.mode == HELD).any():
         time, met, bounced = world.flock.run(world, limit, events)

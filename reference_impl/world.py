@@ -17,7 +17,7 @@ from reference_impl.effects.impact import LAWS
 from reference_impl.effects.phases import HYPOTHESES
 from reference_impl.errors import Stalled, Unsupported
 from reference_impl.friction_problem import MODELS
-from reference_impl.integrators import carry, driven_flight, driven_momentum, free_flight, free_flights, spins
+from reference_impl.integrators import carry, driven_flight, driven_momentum, fly_on, free_flight, spins
 from reference_impl.links import Links
 from reference_impl.parts import Parts
 from reference_impl.record import Collided, Record
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from reference_impl.bounces.flock import Flock
     from reference_impl.course import Course
 
-__all__ = ["FLYING", "HELD", "STILL", "Audit", "Collided", "Held", "Record", "Scales", "Settings", "World"]
+__all__ = ["FLYING", "HELD", "STILL", "Audit", "Collided", "Held", "Incident", "Record", "Scales", "Settings", "World"]
 
 FLYING, HELD, STILL = 0, 1, 2  # free; under contact forces; at rest for good until something touches it
 HORIZON = 10.0  # how far ahead a pair is searched for a contact at once [time scale, or what lies behind]
@@ -305,6 +305,8 @@ class World:
 
     def carry(self, t: float) -> None:
         """Bring the state of every body to time t of its segment."""
+        if not len(self.clear):
+            self.fly_on(t)
         m, b = self.motion, self.bodies
         carry(t, b.plain, b.inverse_inertia, m.x, m.v, m.q, m.L, m.begin, m.x_series, m.q_series)
         for i in np.flatnonzero(b.twisted):
@@ -314,18 +316,39 @@ class World:
 
     def renew(self) -> None:
         """Continue the flights whose polynomials end now."""
+        due = (self.motion.end <= self.t) & (self.mode == FLYING)
+        if due.any():
+            self.fly_on(self.t)
+            for i in np.flatnonzero(due & self.bodies.twisted):
+                self.launch(i)
+
+    def fly_on(self, t: float) -> None:
+        """Continue the flights without torques that end by t, each at its own time.
+
+        Raises
+        ------
+        Stalled
+            If a body turns so fast that its series last no time at all.
+        """
         m, b = self.motion, self.bodies
-        due = (m.end <= m.t) & (self.mode == FLYING)
-        if not due.any():
+        free = (self.mode == FLYING) & ~b.twisted
+        if not (free & (m.end <= t)).any():
             return
-        turning = due & (b.quickness > 0.0) & ~b.plain & ~b.twisted
-        if turning.any():
-            free_flights(
-                np.flatnonzero(turning), m.t, m.x, m.v, m.q, m.L, b.acceleration, b.drag, b.inverse_inertia,
-                b.quickness, b.unevenness, m.begin, m.end, m.start, m.x_series, m.q_series, m.bounds,
-            )  # fmt: skip
-        for i in np.flatnonzero(due & ~turning):
-            self.launch(i)
+        turning = (b.quickness > 0.0) & ~b.plain
+        stuck = fly_on(t, free, turning, m.x, m.v, m.q, m.L, b.acceleration, b.drag, b.inverse_inertia, b.quickness,
+                       b.unevenness, m.begin, m.end, m.start, m.x_series, m.q_series, m.bounds)  # fmt: skip
+        if stuck >= 0:
+            raise Stalled(f"flight of {self.names(stuck)}: too fast a turn", float(m.begin[stuck]))
+
+    def horizon(self) -> float:
+        """Until when no polynomial ends that all bodies must stop for [s].
+
+        Where nothing can touch, flights without torques are continued each at its own time.
+        """
+        if len(self.clear):
+            return float(self.motion.end.min())
+        stops = (self.mode != FLYING) | self.bodies.twisted
+        return float(self.motion.end[stops].min(initial=math.inf))
 
     def first_hit(self, limit: float) -> tuple[float, int]:
         """Time of the first contact before `limit` and its pair, or (limit, -1)."""

@@ -10,9 +10,10 @@ import numpy as np
 from mechanics.effects import Force, Friction, Gravity, PairEffect, Resting, Restitution, Rotation
 from reference_impl.bounces import loop, queue
 from reference_impl.bounces.line import DEEP, GAIN, PACE, PLACE, TIME, Line, bounce_in_line, line_of
+from reference_impl.collisions import ACCUMULATION_ALONE
 from reference_impl.errors import Stalled
 from reference_impl.parts import Load
-from reference_impl.settle import ACCUMULATION_ALONE, RETURN_ALONE
+from reference_impl.settle import RETURN_ALONE
 from reference_impl.state import PLANE, SPHERE
 from reference_impl.world import STILL
 
@@ -36,6 +37,7 @@ def suits(world: World) -> bool:
     return (
         world.parts.law.restitution is not None
         and world.settings.time_of_contact == "advancement"
+        and world.settings.friction == "exact"
         and world.scene.needs <= EFFECTS
         and bool(((b.shape == SPHERE) | ((b.shape == PLANE) & ~free)).all())
         and not any(_more_than_pulls(load) for load in world.parts.loads)
@@ -141,6 +143,7 @@ class Flock:
         m.L[which] = m.start[which] = real[which, queue.L : queue.L + 3]
         m.begin[which] = real[which, queue.BEGIN]
         self.whole[which, queue.CHANGED] = 0
+        world.energy[which] = math.nan  # they have exchanged it
         return True
 
     def run(self, world: World, limit: float, events: int) -> tuple[float, tuple[int, ...], bool]:
@@ -208,6 +211,7 @@ class Flock:
         if counts[0]:
             world.carry(float(clock[TIME]))
             m.x[line.who, line.axis], m.v[line.who, line.axis] = line.row[:, PLACE], line.row[:, PACE]
+            world.energy[line.who] = math.nan  # they have exchanged it
             for i in line.who.tolist():
                 world.launch(i)
         return float(clock[TIME]), met, bool(counts[0])

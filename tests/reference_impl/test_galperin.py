@@ -14,7 +14,6 @@ from mechanics.shapes import HalfSpace, Sphere
 from reference_impl.bounces.line import CLOCK, DEEP, bounce_in_line
 from reference_impl.bounces.loop import DONE
 from reference_impl.simulate import advance, begin
-from reference_impl.world import Settings
 
 WALL = Body("wall", HalfSpace((1.0, 0.0, 0.0)))
 
