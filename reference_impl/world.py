@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from mechanics.effects import PairEffect
 from mechanics.scene import Scene
 from mechanics.trajectory import State
 from reference_impl.audit import knows_work
+from reference_impl.broad_phase import MANY, keep_apart
 from reference_impl.collide.detect import Contacts, Detector, Search
 from reference_impl.contact_problem import SOLVERS, Kept
 from reference_impl.effects.impact import LAWS
@@ -214,8 +216,8 @@ class World:
         self.lasts = np.zeros(len(self.detector.pairs), dtype=bool)
         self.mu = np.zeros(len(self.detector.pairs))
         if self.parts.law.friction is not None:
-            solid = self.detector.pairs[: self.detector.solid].tolist()
-            self.mu[: len(solid)] = [self.parts.law.friction.of(*self.names(a, b)) for a, b in solid]
+            solid = self.detector.solid
+            self.mu[:solid] = _coefficients(self.parts.law.friction, self.scene, self.detector.pairs[:solid])
 
     def report(self, what: str, *bodies: int) -> None:
         """Put something out of the ordinary on record."""
@@ -353,6 +355,8 @@ class World:
     def first_hit(self, limit: float) -> tuple[float, int]:
         """Time of the first contact before `limit` and its pair, or (limit, -1)."""
         spent = 0
+        if len(self.clear) > MANY:
+            self._keep_apart(limit)
         while len(self.clear):
             p = int(np.argmin(self.clear))
             if self.clear[p] >= limit:
@@ -365,6 +369,15 @@ class World:
                 raise Stalled(f"search for the next contact of {self.names(*self.detector.pairs[p])}", self.t)
         return limit, -1
 
+    def _keep_apart(self, limit: float) -> None:
+        """What the bounding spheres of the bodies tell of all pairs before `limit`, in one go."""
+        m, b, fixed = self.motion, self.bodies, self.bodies.inverse_mass == 0.0
+        static = (self.mode == STILL) | (fixed & ~m.v.any(axis=1) & ~b.acceleration.any(axis=1))
+        keep_apart(
+            self.detector.pairs, self.clear, self.hits, self.lasts, static, b.shape, b.normal, b.reach, m.begin, m.end,
+            m.x_series, m.bounds, limit, HORIZON * self.scales.time,
+        )  # fmt: skip
+
     def look(self, p: int) -> None:
         """Search on for a contact of pair p."""
         a, b = self.detector.pairs[p].tolist()
@@ -376,3 +389,12 @@ class World:
         ahead = HORIZON * max(self.scales.time, clear - max(m.begin[a], m.begin[b]))
         end = float(min(m.end[a], m.end[b], clear + ahead))
         self.clear[p], self.hits[p] = self.detector.meet(p, clear, end, m, bool(self.lasts[p]))
+
+
+def _coefficients(effect: PairEffect, scene: Scene, pairs: np.ndarray) -> np.ndarray:
+    """Coefficients of the pairs (p, 2) of bodies."""
+    out = np.full(len(pairs), effect.coefficient)
+    for (a, b), value in effect.exceptions.items():
+        i, j = scene.index(a), scene.index(b)
+        out[((pairs[:, 0] == i) & (pairs[:, 1] == j)) | ((pairs[:, 0] == j) & (pairs[:, 1] == i))] = value
+    return out

@@ -14,6 +14,7 @@ import numpy as np
 
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Cylinder, Mesh
+from reference_impl.broad_phase import all_pairs
 from reference_impl.collide import primitives
 from reference_impl.collide.features import REAL, WHOLE, margin
 from reference_impl.collide.solids import Solid, solid_of
@@ -401,7 +402,17 @@ TABLE: dict[tuple[int, int], type[Pair]] = {
 }
 
 
-def pairs_of(scene: Scene, shapes: Shapes) -> tuple[list[Pair], np.ndarray]:
+class Routines:
+    """The routine of each pair, of which there may be millions."""
+
+    def __init__(self, made: list[Pair], which: np.ndarray) -> None:
+        self._made, self._which = made, which
+
+    def __getitem__(self, p: int) -> Pair:
+        return self._made[self._which[p]]
+
+
+def pairs_of(scene: Scene, shapes: Shapes) -> tuple[Routines, np.ndarray]:
     """Pairs of bodies that may touch: the routine of each, and their numbers (p, 2) in its order.
 
     Raises
@@ -409,15 +420,14 @@ def pairs_of(scene: Scene, shapes: Shapes) -> tuple[list[Pair], np.ndarray]:
     Unsupported
         If there is no routine for two shapes.
     """
-    made = {key: kind(shapes) for key, kind in TABLE.items()}
-    routines, pairs = [], []
-    for i, j in scene.pairs():
-        kinds = [int(shapes.bodies.shape[k]) for k in (i, j)]
-        first, second = (i, j) if ORDER.index(kinds[0]) <= ORDER.index(kinds[1]) else (j, i)
-        key = (int(shapes.bodies.shape[first]), int(shapes.bodies.shape[second]))
-        if key not in TABLE:
-            a, b = (f"{scene.bodies[k].name!r}, a {type(scene.bodies[k].shape).__name__}" for k in (first, second))
-            raise Unsupported(f"contact of {a}, with {b}: a Cylinder touches only Sphere and HalfSpace")
-        routines.append(made[key])
-        pairs.append((first, second))
-    return routines, np.array(pairs, dtype=np.int64).reshape(-1, 2)
+    pairs, shape = all_pairs(scene), shapes.bodies.shape
+    rank = np.argsort(ORDER)[shape]
+    swapped = rank[pairs[:, 0]] > rank[pairs[:, 1]]
+    pairs[swapped] = pairs[swapped, ::-1]
+    which = np.full(len(pairs), -1, dtype=np.int8)
+    for number, (first, second) in enumerate(TABLE):
+        which[(shape[pairs[:, 0]] == first) & (shape[pairs[:, 1]] == second)] = number
+    for ends in pairs[which < 0].tolist():
+        a, b = (f"{scene.bodies[k].name!r}, a {type(scene.bodies[k].shape).__name__}" for k in ends)
+        raise Unsupported(f"contact of {a}, with {b}: a Cylinder touches only Sphere and HalfSpace")
+    return Routines([kind(shapes) for kind in TABLE.values()], which), pairs
