@@ -17,6 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from reference_impl.kernels import dot, kernel, norm
+
 FREE = 40  # evaluations after which every further one halves the bracket: the budget of `illinois` and `newton`
 
 Gap = Callable[[float], tuple[float, float]]  # time [s] -> gap [m] and its rate [m/s]

@@ -393,8 +393,12 @@ class World:
 
 def _coefficients(effect: PairEffect, scene: Scene, pairs: np.ndarray) -> np.ndarray:
     """Coefficients of the pairs (p, 2) of bodies."""
-    out = np.full(len(pairs), effect.coefficient)
+    n, out = len(scene.bodies), np.full(len(pairs), effect.coefficient)
+    number = {name: i for i, name in enumerate(scene.names)}
+    code = pairs.min(axis=1) * n + pairs.max(axis=1)  # increases, whatever the order within a pair
     for (a, b), value in effect.exceptions.items():
-        i, j = scene.index(a), scene.index(b)
-        out[((pairs[:, 0] == i) & (pairs[:, 1] == j)) | ((pairs[:, 0] == j) & (pairs[:, 1] == i))] = value
+        i, j = sorted((number[a], number[b]))
+        at = int(np.searchsorted(code, i * n + j))
+        if at < len(code) and code[at] == i * n + j:
+            out[at] = value
     return out
