@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from mechanics.effects import Friction, Gravity, Restitution, Rotation
+from mechanics.effects import Force, Friction, Gravity, Resting, Restitution, Rotation
 from mechanics.rotation import normalised
 from mechanics.scene import Body, Scene
-from mechanics.shapes import HalfSpace, Sphere
+from mechanics.shapes import Box, HalfSpace, Sphere
+from reference_impl.errors import MissingEffect, Stalled
 from reference_impl.simulate import advance, begin, simulate
 from reference_impl.world import Settings
 
@@ -173,8 +174,8 @@ def test_balls_fall_on_a_peg_and_on_a_moving_one():
         for k in range(3)
     )
     scene = Scene((peg, paddle, *falling), (Gravity(), Restitution(0.9)))
-    with_loop, without = both(scene, 0.8)
-    assert len(with_loop.events) >= 4
+    with_loop, without = both(scene, 1.2)
+    assert len(with_loop.events) >= 3
     # times of contact are iterated there and here, to 1e-12 of the size
     assert_same(with_loop, without, 1e-9)
 
@@ -191,7 +192,7 @@ def test_a_great_sphere_among_small_ones_is_in_no_cell():
 def test_a_force_that_begins_on_the_way():
     bodies = (Body("floor", HalfSpace()), Body("ball", Sphere(0.1), 2.0, (0.0, 0.0, 1.1)))
     scene = Scene(bodies, (Gravity(), Restitution(1.0), Force("ball", (1.0, 0.0, 8.0), start=0.3, end=0.9)))
-    with_loop, without = both(scene, 2.0)
+    with_loop, without = both(scene, 3.0)
     assert len(with_loop.events) >= 3
     assert_same(with_loop, without, 1e-12)
 
