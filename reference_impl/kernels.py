@@ -30,11 +30,17 @@ class Kernel:
     """A function that is compiled, or loaded from disk, when it is called for the first time.
 
     A kernel that only other kernels call costs nothing once these are on disk.
+
+    Parameters
+    ----------
+    function : function
+    within : bool
+        Whether its code becomes part of every kernel that calls it.
     """
 
-    def __init__(self, function: FunctionType) -> None:
+    def __init__(self, function: FunctionType, within: bool = False) -> None:
         functools.update_wrapper(self, function)
-        self.function = function
+        self.function, self.within = function, within
 
     def __call__(self, *args: Any) -> Any:
         return self.compiled(*args)
@@ -43,7 +49,7 @@ class Kernel:
     def compiled(self) -> Callable[..., Any]:
         """Numba's dispatcher of the function."""
         _loaded_without_blas()
-        dispatcher = njit(error_model="numpy")(self.function)
+        dispatcher = njit(error_model="numpy", forceinline=self.within)(self.function)
         dispatcher._cache = FunctionCache(self.function)
         dispatcher._cache._cache_file._source_stamp = self.stamp()
         return dispatcher
@@ -84,6 +90,8 @@ def _loaded_without_blas() -> None:
 
 
 kernel: Callable[[Any], Any] = (lambda function: function) if config.DISABLE_JIT else Kernel
+# for the smallest: a call would hand over every array as a dozen numbers, which costs more than what they do
+inlined: Callable[[Any], Any] = kernel if config.DISABLE_JIT else functools.partial(Kernel, within=True)
 
 
 @typeof_impl.register(Kernel)

@@ -47,13 +47,12 @@ from reference_impl.bounces.queue import (
     around,
     cross_over,
     enter,
-    inlined,
     leave,
     next_cell,
     place,
     schedule,
 )
-from reference_impl.kernels import dot, kernel, norm, turned
+from reference_impl.kernels import dot, inlined, kernel, norm, turned
 from reference_impl.time_of_contact import parabola, spheres_meet
 
 # how the loop ends: at its limit; at a meeting that it leaves to others; out of budget; without room for the record

@@ -9,9 +9,7 @@ closer together than the rounding of the time itself (Galperin's blocks), and ar
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
-
-from reference_impl.kernels import kernel
+from reference_impl.kernels import inlined, kernel
 from reference_impl.time_of_contact import parabola
 
 X, V, A = 0, 3, 6  # position, velocity and acceleration
@@ -30,9 +28,6 @@ CHANGED = 14  # motion that Python does not know yet
 WHOLES = 15
 
 NOBODY = -1
-
-# a call would hand over every array as a dozen numbers, which costs more than what the smallest kernels do
-inlined = njit(cache=True, error_model="numpy", forceinline=True)
 
 
 @inlined
