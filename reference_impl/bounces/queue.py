@@ -9,6 +9,7 @@ closer together than the rounding of the time itself (Galperin's blocks), and ar
 from __future__ import annotations
 
 import numpy as np
+
 from reference_impl.kernels import inlined, kernel
 from reference_impl.time_of_contact import parabola
 
