@@ -373,9 +373,10 @@ class World:
         """What the bounding spheres of the bodies tell of all pairs before `limit`, in one go."""
         m, b, fixed = self.motion, self.bodies, self.bodies.inverse_mass == 0.0
         static = (self.mode == STILL) | (fixed & ~m.v.any(axis=1) & ~b.acceleration.any(axis=1))
+        n = self.detector.solid  # a tether is no matter of bounding spheres
         keep_apart(
-            self.detector.pairs, self.clear, self.hits, self.lasts, static, b.shape, b.normal, b.reach, m.begin, m.end,
-            m.x_series, m.bounds, limit, HORIZON * self.scales.time,
+            self.detector.pairs[:n], self.clear[:n], self.hits[:n], self.lasts[:n], static, b.shape, b.normal, b.reach,
+            m.begin, m.end, m.x_series, m.bounds, limit, HORIZON * self.scales.time,
         )  # fmt: skip
 
     def look(self, p: int) -> None:
