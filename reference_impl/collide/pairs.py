@@ -411,6 +411,11 @@ class Routines:
     def __getitem__(self, p: int) -> Pair:
         return self._made[self._which[p]]
 
+    def __add__(self, others: list[Pair]) -> Routines:
+        """These and, after them, one for each of others."""
+        numbers = len(self._made) + np.arange(len(others))
+        return Routines(self._made + others, np.concatenate([self._which, numbers]))
+
 
 def pairs_of(scene: Scene, shapes: Shapes) -> tuple[Routines, np.ndarray]:
     """Pairs of bodies that may touch: the routine of each, and their numbers (p, 2) in its order.
