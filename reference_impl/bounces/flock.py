@@ -10,7 +10,7 @@ import numpy as np
 from mechanics.effects import Force, Friction, Gravity, PairEffect, Resting, Restitution, Rotation
 from reference_impl.bounces import loop, queue
 from reference_impl.bounces.line import DEEP, GAIN, PACE, PLACE, TIME, Line, bounce_in_line, line_of
-from reference_impl.collisions import ACCUMULATION_ALONE
+from reference_impl.collisions import LAST_ALONE
 from reference_impl.errors import Stalled
 from reference_impl.parts import Load
 from reference_impl.settle import RETURN_ALONE
@@ -74,7 +74,8 @@ class Flock:
         self.figures[loop.CELL_SIZE], self.figures[loop.QUIET] = self.cell, s.speed
         self.figures[loop.TOLERANCE], self.figures[loop.PARTING] = s.tolerance, s.parting
         self.figures[loop.MOMENT] = RETURN_ALONE * world.scales.time
-        self.figures[loop.ACCUMULATION] = ACCUMULATION_ALONE * world.scales.time
+        self.figures[loop.LAST] = LAST_ALONE * world.scales.time
+        self.figures[loop.SCALE] = world.scales.time
         self.near, self.also = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
         self.desk, self.beside = np.empty((n + 1, 6)), np.empty((n + 1, 6))
         self.work, self.normal = np.empty((3, 3)), np.empty(3)
@@ -173,6 +174,7 @@ class Flock:
         self.counts[:] = 0
         if self.fresh.any():
             self._take(world)
+        self.real[:, queue.FORESEEN] = world.foreseen
         self.counts[loop.RECORDED] = len(record)
         end, turns = loop.PAUSED, 0
         while end == loop.FULL or (end == loop.PAUSED and self.counts[loop.EVENTS] < events):
@@ -187,6 +189,7 @@ class Flock:
             if turns > CROSSINGS * (world.settings.events + TURNS):
                 raise Stalled("bodies in flight change cells for ever", float(f[loop.NOW]))
         self._report(world, *self.counts[:2].tolist(), float(f[loop.DEEPEST]), float(f[loop.RISE]))
+        world.foreseen[:] = self.real[:, queue.FORESEEN]
         world.search.evaluations += int(self.counts[loop.SEARCHES])
         met = () if end != loop.MEETING else (int(self.counts[loop.FIRST]), int(self.counts[loop.SECOND]))
         self.time = float(f[loop.NOW])

@@ -26,6 +26,7 @@ from reference_impl.bounces.queue import (
     DUE,
     DUE_REST,
     EVERYWHERE,
+    FORESEEN,
     GROUP,
     HIT,
     HIT_REST,
@@ -52,6 +53,7 @@ from reference_impl.bounces.queue import (
     place,
     schedule,
 )
+from reference_impl.collisions import NOISE, SAME_REST
 from reference_impl.kernels import dot, inlined, kernel, norm, turned
 from reference_impl.time_of_contact import parabola, spheres_meet
 
@@ -59,8 +61,8 @@ from reference_impl.time_of_contact import parabola, spheres_meet
 DONE, MEETING, PAUSED, FULL = 0, 1, 2, 3
 
 # columns of `figures`
-NOW, NOW_REST, CELL_SIZE, QUIET, TOLERANCE, PARTING, MOMENT, ACCUMULATION, DEEPEST, RISE = range(10)
-FIGURES = 10
+NOW, NOW_REST, CELL_SIZE, QUIET, TOLERANCE, PARTING, MOMENT, LAST, SCALE, DEEPEST, RISE = range(11)
+FIGURES = 11
 # columns of `counts`
 EVENTS, RECORDED, SEARCHES, FIRST, SECOND = range(5)
 COUNTS = 5
@@ -233,8 +235,11 @@ def _normal(real, whole, a, b, at_a, at_b, n):
 
 
 @kernel
-def _ends_here(real, whole, a, b, n, at_a, at_b, rate, e, figures):
-    """Whether the bodies would stay together, or come back in ever shorter bounces, after this one."""
+def _ends_here(real, whole, a, b, n, at_a, at_b, gap, rate, e, figures):
+    """Whether the bodies would stay together after this bounce, or would not come back from a last one.
+
+    The rules, and the time of rest that is foreseen, are those of `collisions` for a sphere on its own.
+    """
     closing = across = 0.0
     for c in range(3):
         closing -= n[c] * (real[a, A + c] - real[b, A + c])
@@ -244,7 +249,17 @@ def _ends_here(real, whole, a, b, n, at_a, at_b, rate, e, figures):
     parting = -e * rate
     if parting <= figures[PARTING] or parting <= 0.5 * closing * figures[MOMENT]:
         return True
-    return closing > 0.0 and 2.0 * parting < figures[ACCUMULATION] * closing * (1.0 - e)
+    if closing <= 0.0 or e == 1.0:
+        return False
+    bounce = 2.0 * parting / closing
+    if bounce < figures[LAST] or parting <= 2.0 * figures[PARTING] or parting**2 <= 8.0 * closing * max(-gap, 0.0):
+        return True
+    body, at = (a, at_a) if real[a, LIGHT] > 0.0 else (b, at_b)
+    rest = figures[NOW] + bounce / (1.0 - e)
+    noise = NOISE * max(abs(at[0]), abs(at[1]), abs(at[2])) / (-rate * (1.0 - e))
+    if not abs(rest - real[body, FORESEEN]) <= SAME_REST * max(figures[SCALE], rest) + noise:
+        real[body, FORESEEN] = rest
+    return False
 
 
 @kernel
@@ -385,7 +400,7 @@ def bounces(turning: bool, rough: bool) -> Any:
                 or whole[j, STILL] == 1
                 or _touches_another(real, whole, i, j, near, count, desk, quiet)
                 or (whole[j, WALL] == 0 and _touches_another(real, whole, j, i, also, more, beside, quiet))
-                or _ends_here(real, whole, a, b, n, at_a, at_b, rate, e, figures)
+                or _ends_here(real, whole, a, b, n, at_a, at_b, gap, rate, e, figures)
             ):
                 counts[FIRST], counts[SECOND] = a, b
                 return MEETING

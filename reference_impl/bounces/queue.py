@@ -20,7 +20,8 @@ CROSS = 14  # when the body leaves its cell
 HIT, HIT_REST = 15, 16  # next meeting, or until when nothing is met
 DUE, DUE_REST = 17, 18  # the earlier of both
 NORMAL, Q, L = 19, 22, 26  # of a half-space; attitude and angular momentum
-REALS = 29
+FORESEEN = 29  # when it will have bounced for the last time [s], as `collisions` foresees it
+REALS = 30
 
 WALL, STILL, EVERYWHERE, GROUP = 0, 1, 2, 3  # half-space; at rest for good; not in the grid; row of the law's tables
 PARTNER, STAMP, COUNT = 4, 5, 6  # of the next meeting, its count then; how often this body's motion has changed

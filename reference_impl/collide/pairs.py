@@ -413,6 +413,8 @@ class Routines:
 
     def __add__(self, others: list[Pair]) -> Routines:
         """These and, after them, one for each of others."""
+        if not others:
+            return self
         numbers = len(self._made) + np.arange(len(others))
         return Routines(self._made + others, np.concatenate([self._which, numbers]))
 
