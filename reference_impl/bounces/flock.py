@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mechanics.effects import Force, Friction, Gravity, PairEffect, Resting, Restitution, Rotation
+from mechanics.effects import Drag, Force, Friction, Gravity, PairEffect, Resting, Restitution, Rotation
 from reference_impl.bounces import loop, queue
 from reference_impl.bounces.line import DEEP, GAIN, PACE, PLACE, TIME, Line, bounce_in_line, line_of
 from reference_impl.collisions import LAST_ALONE
@@ -20,7 +20,7 @@ from reference_impl.world import STILL
 if TYPE_CHECKING:
     from reference_impl.world import World
 
-EFFECTS = {Gravity, Rotation, Force, Restitution, Friction, Resting}  # with others a bounce is not one formula
+EFFECTS = {Gravity, Rotation, Drag, Force, Restitution, Friction, Resting}  # with others a bounce is not one formula
 FEW = 24  # bodies up to which everyone looks at everyone, without cells
 ROOMY = 0.7  # edge of a cell, in units of the room that a body has on average
 LARGER = 2.0  # spheres by this factor larger than most others belong to no cell

@@ -220,6 +220,12 @@ def test_a_tether_pulled_by_a_moving_body_goes_taut():
 def test_a_slack_tether_changes_nothing():
     bodies = (POST, ball("ball", (1.0, 0.0, 0.0), (1.0, 0.0, 2.0)), Body("floor", HalfSpace(), position=(0, 0, -2.0)))
     effects = (Gravity(), Restitution(0.7))
-    free = simulate(Scene(bodies, effects), (0.0, 0.5, 1.0))
-    tied = simulate(Scene(bodies, (*effects, Tether("post", "ball", 50.0))), (0.0, 0.5, 1.0))
-    assert tied.digest() == free.digest()
+    tied, free, bouncing = (
+        begin(Scene(bodies, more)) for more in ((*effects, Tether("post", "ball", 50.0)), effects, effects)
+    )
+    free.flock = None  # the loop of bounces, which knows no tethers, rounds otherwise
+    for world in (tied, free, bouncing):
+        advance(world, 1.0)
+    for name in ("x", "q", "v", "w"):
+        assert np.array_equal(getattr(tied.state(), name), getattr(free.state(), name))
+        assert getattr(bouncing.state(), name) == pytest.approx(getattr(free.state(), name), abs=1e-15)
