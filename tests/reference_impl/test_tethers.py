@@ -14,7 +14,7 @@ from mechanics.rotation import normalised, rotate
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
 from reference_impl.errors import Unsupported
-from reference_impl.simulate import advance, begin, simulate
+from reference_impl.simulate import advance, begin
 from reference_impl.world import FLYING, HELD, STILL
 
 G = 9.81
