@@ -113,9 +113,13 @@ def test_what_rests_costs_nothing_while_others_move():
     # of the ball: its closed form with the floor once a bounce, and a look at the 27 boxes, all out of its way
     assert world.search.evaluations - evaluations <= 28 * 40 * bounces
     assert world.audit.steps == 0
-    alone = begin(Scene((FLOOR, ball), (Gravity(), Rotation(), Resting(), Restitution(1.0))))
-    advance(alone, 4.4)
+    few = Scene((FLOOR, ball), (Gravity(), Rotation(), Resting(), Restitution(1.0)))
+    alone, bouncing = begin(few), begin(few)
+    alone.flock = None  # the loop of bounces, which takes scenes of spheres only, rounds otherwise
+    for one in (alone, bouncing):
+        advance(one, 4.4)
     assert np.array_equal(alone.state().x[1], world.state().x[-1])
+    assert bouncing.state().x[1] == pytest.approx(world.state().x[-1], abs=2e-14)  # both are 2e-15 off the truth
 
 
 def test_a_stack_on_a_lift_carries_its_weight_and_more():
