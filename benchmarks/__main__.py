@@ -20,6 +20,7 @@ NAMES = (
     "rolling",
     "thrown-boxes",
     "gas",
+    "galperin",
     "free-bodies",
     "stack-speed",
     "startup",
