@@ -26,7 +26,7 @@ def scene(power: int) -> Scene:
 
 
 def digits(power: int) -> int:
-    """How many collisions there are: the first power + 1 digits of pi, unless a long row of nines follows (Galperin)."""
+    """How many collisions there are: the first power + 1 digits of pi, unless many nines follow (Galperin 2003)."""
     return int(math.pi * 10.0**power)
 
 
