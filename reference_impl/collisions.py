@@ -90,7 +90,8 @@ def _restitution(world: World, island: Island, problem: Problem) -> Callable[[np
     e = world.restitution(island.contacts)
     if chatters(world, island.bodies):
         e[:] = 0.0
-    closing, limit = problem.closing(), ACCUMULATION * world.scales.time
+    closing = problem.closing(np.abs(problem.k.rate) <= world.search.parting)
+    limit = ACCUMULATION * world.scales.time
     if alone(problem.g) and problem.space is None:
         found = float(problem.k.gap[0])
         return lambda u: _alone(world, int(island.bodies[0]), u, float(closing[0]), float(e[0]), found)

@@ -104,7 +104,7 @@ def _resting(world: World, island: Island, problem: Problem) -> np.ndarray:
     moment = RETURN_ALONE if alone(problem.g) else RETURN
     if audit.chatters(world, island.bodies):
         moment = RETURN_CHATTER
-    return stays | (problem.k.rate <= 0.5 * problem.closing() * moment * world.scales.time)
+    return stays | (problem.k.rate <= 0.5 * problem.closing(stays) * moment * world.scales.time)
 
 
 def _hold(world: World, stay: Island) -> bool:

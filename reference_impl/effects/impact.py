@@ -20,6 +20,7 @@ from reference_impl.contact_problem import solve
 from reference_impl.effects.rough_impact import RoughCollision
 
 PASSES = 60  # of simultaneous impulses at one instant, before what still approaches stops dead
+TURNS = 10  # of each contact, after which those without restitution stop at once: their turns go on for ever
 
 
 def normal_impulse(u: float, mobility: float, restitution: float) -> float:
@@ -124,7 +125,8 @@ def sequential(collision: Meeting) -> Outcome:
     """One contact at a time, the fastest approach first, until none approaches.
 
     Of equally fast ones the first in scene order: the result of a symmetric impact is not symmetric.
-    Baraff, SIGGRAPH course notes (1997), section 8, treats collisions in this way.
+    Baraff, SIGGRAPH course notes (1997), section 8, treats collisions in this way.  Turns without any restitution
+    converge geometrically; once they do nothing else, one solve ends them.
     """
     m = len(collision.drift)
     impulses = collision.nothing()
@@ -135,9 +137,12 @@ def sequential(collision: Meeting) -> Outcome:
         first = int(np.argmax(u <= float(u.min()) * (1.0 - 1e-9)))
         if u[first] >= -collision.floor:
             return Outcome(impulses, passes)
+        e = collision.e(u)
+        if passes >= TURNS * m and not e[u < -collision.floor].any():
+            return Outcome(impulses + stop(collision, impulses), passes + 1)
         chosen = np.zeros(m, dtype=bool)
         chosen[first] = True
-        impulses = impulses + collision.bounce(impulses, chosen, collision.e(u))
+        impulses = impulses + collision.bounce(impulses, chosen, e)
     return Outcome(impulses + stop(collision, impulses), most + 1)
 
 

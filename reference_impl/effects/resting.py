@@ -18,7 +18,7 @@ import numpy as np
 
 from reference_impl.collide.detect import Contacts, Kinematics
 from reference_impl.collide.features import all_kinematics, rows
-from reference_impl.contact_problem import Kept, solve
+from reference_impl.contact_problem import Kept, NoSolution, solve
 from reference_impl.effects.joint import Rows, Space, joint_rows, space
 from reference_impl.effects.spring import pull
 from reference_impl.kernels import apply, apply_transposed, cross, dot, kernel, matrix, spin, turned
@@ -69,9 +69,20 @@ class Problem(NamedTuple):
     whole: np.ndarray | None = None  # (m, 6 bodies) contact rows before the joints took their part
     pulled: np.ndarray | None = None  # (6 bodies,) scaled acceleration without contact and joint forces
 
-    def closing(self) -> np.ndarray:
-        """Acceleration with which each gap would close if no contact force acted, -gap'' [m/s2]."""
-        return self.least - self.g @ self.free
+    def closing(self, standing: np.ndarray) -> np.ndarray:
+        """Acceleration with which each gap would close if its contact did not push, -gap'' [m/s2].
+
+        Contacts that are `standing` (m,) push for the others: what lies on a floor does not fall along with what is
+        about to land on it.
+        """
+        free = self.least - self.g @ self.free
+        if not standing.any() or standing.all():
+            return free
+        try:
+            borne = solve(self.g[standing], self.free, self.least[standing]).x
+        except NoSolution:  # they will be refused as forces; here nothing but an estimate is lost
+            return free
+        return np.where(standing, free, self.least - self.g @ borne)
 
     def stuck(self) -> np.ndarray:
         """Which contacts (m,) the joints hold already: no motion they leave free opens or closes them."""
