@@ -15,11 +15,11 @@ from benchmarks.truths import DIGITS, agreed, tumble, tumble_closed
 from mechanics.effects import Gravity, Resting, Restitution, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
-from reference_impl.advancement import approach_plane
+from reference_impl.advancement import HIT, approach_plane
 from reference_impl.collide.primitives import corner
-from reference_impl.integrators import free_flight
+from reference_impl.integrators import continued_flight, free_flight
 from reference_impl.kernels import apply, cross, kernel, matrix
-from reference_impl.state import bodies_of, motion_of
+from reference_impl.state import ORDER, bodies_of, motion_of
 
 SIZE, SPIN, CLEARANCE, G = (0.4, 0.6, 1.0), (5.0, 2.0, 3.0), 2.0, 9.81  # moments fall from axis 1 to axis 3
 FAST, SLOW = 60.0, 4.0  # scale of the spins [rad/s]
@@ -100,10 +100,10 @@ def contacts(boxes: tuple[np.ndarray, ...], repeats: int = 1) -> tuple[np.ndarra
         one = scene(tuple(2.0 * half[k]), (0.0, 0.0, 0.0), float(height[k]), tuple(q[k]))
         b = bodies_of(one)
         momentum = matrix(q[k]) @ (b.inertia[1] @ spins[k])
-        flights.append((motion_of(one, b).x[1], momentum, b.inverse_inertia[1], b.quickness[1], b.unevenness[1]))
-    x, momentum, inverse, quickness, unevenness = (np.array(part) for part in zip(*flights, strict=True))
+        flights.append((motion_of(one, b).x[1], momentum, b.moments[1], b.frame[1], b.quickness[1], b.unevenness[1]))
+    x, momentum, moments, frame, quickness, unevenness = (np.array(part) for part in zip(*flights, strict=True))
     times, evaluations = np.empty(len(x)), np.empty(len(x), dtype=np.int64)
-    search = partial(_search, x, q, momentum, inverse, quickness, unevenness, half, times, evaluations)
+    search = partial(_search, x, q, momentum, moments, frame, quickness, unevenness, half, times, evaluations)
     search()  # compiled, or loaded, before it is clocked
     walls = []
     for _ in range(repeats):
@@ -114,53 +114,33 @@ def contacts(boxes: tuple[np.ndarray, ...], repeats: int = 1) -> tuple[np.ndarra
 
 
 @kernel
-def _search(x, q, momentum, inverse, quickness, unevenness, half, times, evaluations):
+def _search(x, q, momentum, moments, frame, quickness, unevenness, half, times, evaluations):
     """First contact of each box with the floor: its path as polynomials, one by one, and the search on them."""
     pull = np.array([0.0, 0.0, -G])
     normal = np.array([0.0, 0.0, 1.0])
-    xs, qs, bounds = np.zeros((17, 3)), np.zeros((17, 4)), np.zeros(6)
-    rest, still = np.zeros((17, 3)), np.zeros(6)
+    xs, qs, spins = np.zeros((ORDER + 1, 3)), np.zeros((ORDER + 1, 4)), np.zeros((ORDER + 1, 3))
+    kept, bounds, speed = np.zeros(4), np.zeros(6), np.zeros(3)
+    rest, still, nowhere = np.zeros((ORDER + 1, 3)), np.zeros(6), np.zeros(3)
     corners = np.empty((8, 3))
     for k in range(len(x)):
         for j in range(8):
             corner(half[k], j, corners[j])
-        t, place, speed, turn = 0.0, x[k].copy(), np.zeros(3), q[k].copy()
+        t, place, turn = 0.0, x[k].copy(), q[k].copy()
         evaluations[k] = 0
+        span = free_flight(
+            place, nowhere, turn, momentum[k], pull, 0.0, moments[k], frame[k], quickness[k], unevenness[k], True,
+            xs, qs, spins, kept, bounds,
+        )  # fmt: skip
         while True:
-            span = free_flight(
-                place,
-                speed,
-                turn,
-                momentum[k],
-                pull,
-                0.0,
-                inverse[k],
-                quickness[k],
-                unevenness[k],
-                True,
-                xs,
-                qs,
-                bounds,
-            )
             found, state, count = approach_plane(
                 t, t + span, t, xs, qs, corners, 0.0, bounds, 0.0, rest, normal, still, 1e-12, 1e-12, False, 1e-9, 1e-9
             )
             evaluations[k] += count
-            if state == 1:
+            if state == HIT:
                 break
-            s = found - t
-            size = 0.0
-            for c in range(4):
-                value = 0.0
-                for j in range(16, -1, -1):
-                    value = value * s + qs[j, c]
-                turn[c] = value
-                size += value * value
-            for c in range(4):
-                turn[c] /= np.sqrt(size)
-            for c in range(3):
-                place[c] += s * (speed[c] + 0.5 * s * pull[c])
-                speed[c] += s * pull[c]
+            span = continued_flight(
+                found - t, place, speed, turn, momentum[k], pull, 0.0, moments[k], frame[k], xs, qs, spins, kept, bounds
+            )
             t = found
         times[k] = found
 

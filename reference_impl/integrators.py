@@ -8,7 +8,9 @@ quaternion q,
 
 products of series are convolutions, so the coefficients follow one from another (Jorba and Zou,
 A software package for the numerical integration of ODEs by means of high-order Taylor methods,
-2005).  Without a torque the world angular momentum is constant and is never integrated.
+2005).  Without a torque the world angular momentum is constant and is never integrated; the spin in
+the principal axes goes from one segment to the next on its own series, and is held to the energy and
+the momentum the flight began with.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ from collections.abc import Callable
 import numpy as np
 
 from reference_impl import dormand_prince
-from reference_impl.kernels import angular_velocity, apply, apply_transposed, dot, kernel, matrix, norm, spin, turned
+from reference_impl.kernels import angular_velocity, apply, apply_transposed, kernel, matrix, norm, turned
 from reference_impl.state import ORDER
 
 TRUNCATION = 1e-17  # relative size of the last term kept: below rounding
@@ -39,7 +41,129 @@ def _reach_of_series(series):
 
 
 @kernel
-def _spin_series(q, momentum, inverse_inertia, torque, lever, spin_drag, forced, out):
+def _spin_series(moments, frame, spin_series, out):
+    """Taylor series of free rotation from the first coefficients in the arrays; returns how long it holds [s].
+
+    `spin_series[0]` is the angular velocity in the principal axes, where Euler's equations are
+
+        ω₁' = (I₂ - I₃) / I₁ ω₂ ω₃,
+
+    and `out[0]` the attitude of the principal axes; the coefficients in `out` become those of the body.
+    """
+    a = (moments[1] - moments[2]) / moments[0]
+    b = (moments[2] - moments[0]) / moments[1]
+    c = (moments[0] - moments[1]) / moments[2]
+    for k in range(ORDER):
+        da = db = dc = dw = dx = dy = dz = 0.0
+        for j in range(k + 1):
+            p, q, r = spin_series[k - j, 0], spin_series[k - j, 1], spin_series[k - j, 2]
+            da += spin_series[j, 1] * r
+            db += spin_series[j, 2] * p
+            dc += spin_series[j, 0] * q
+            w, x, y, z = out[j, 0], out[j, 1], out[j, 2], out[j, 3]
+            dw -= x * p + y * q + z * r
+            dx += w * p + y * r - z * q
+            dy += w * q - x * r + z * p
+            dz += w * r + x * q - y * p
+        part = 1.0 / (k + 1.0)
+        spin_series[k + 1, 0], spin_series[k + 1, 1], spin_series[k + 1, 2] = (
+            a * da * part,
+            b * db * part,
+            c * dc * part,
+        )
+        part *= 0.5
+        out[k + 1, 0], out[k + 1, 1], out[k + 1, 2], out[k + 1, 3] = dw * part, dx * part, dy * part, dz * part
+    if frame[0] != 1.0:
+        for k in range(ORDER + 1):
+            _compose(out[k], frame[0], -frame[1], -frame[2], -frame[3])
+    return _reach_of_series(out)
+
+
+@kernel
+def _compose(q, w, x, y, z):
+    """Quaternion product q (w, x, y, z), in place of q."""
+    a, b, c, d = q[0], q[1], q[2], q[3]
+    q[0] = a * w - b * x - c * y - d * z
+    q[1] = a * x + b * w + c * z - d * y
+    q[2] = a * y - b * z + c * w + d * x
+    q[3] = a * z + b * y - c * x + d * w
+
+
+@kernel
+def _begin_spin(q, momentum, moments, frame, q_series, spin_series, kept):
+    """First coefficients of a new free rotation, and what it keeps: |L|² and |L|² - 2 T I for each moment I.
+
+    The latter, Σ I_c (I_c - I) ω_c² with the kinetic energy T, lack the term of the axis of I: they are known to
+    rounding of what is across that axis, however much larger the spin about it.
+    """
+    for c in range(4):
+        q_series[0, c] = q[c]
+    if frame[0] != 1.0:
+        _compose(q_series[0], frame[0], frame[1], frame[2], frame[3])
+    rotation = matrix(q_series[0])
+    kept[0] = 0.0
+    for c in range(3):
+        l = rotation[0, c] * momentum[0] + rotation[1, c] * momentum[1] + rotation[2, c] * momentum[2]
+        spin_series[0, c] = l / moments[c]
+        kept[0] += momentum[c] * momentum[c]
+    for k in range(3):
+        kept[1 + k] = 0.0
+        for c in range(3):
+            kept[1 + k] += moments[c] * (moments[c] - moments[k]) * spin_series[0, c] * spin_series[0, c]
+
+
+@kernel
+def _keep(w, moments, kept):
+    """Shift the body angular velocity w by rounding, along the least change of I w, to what `_begin_spin` found.
+
+    Of the three differences that is taken which lacks the axis nearest to the momentum: the others' rounding is
+    that of the whole, and it would come back as a spin across that axis, or as energy beside the separatrix.
+    """
+    a, largest = 0, 0.0
+    for c in range(3):
+        if abs(moments[c] * w[c]) > largest:
+            a, largest = c, abs(moments[c] * w[c])
+    # with l = I w: the difference D has the half gradient g = (I_c - I_a) w_c, and g·l = D
+    short, square, length = kept[1 + a], 0.0, 0.0
+    for c in range(3):
+        short -= moments[c] * (moments[c] - moments[a]) * w[c] * w[c]
+        square += moments[c] * w[c] * moments[c] * w[c]
+    along = (kept[1 + a] - short) / square
+    for c in range(3):
+        length += ((moments[c] - moments[a]) * w[c] - along * moments[c] * w[c]) ** 2
+    stretch = 0.5 * (kept[0] - square) / square
+    shift = 0.5 * short / length if length > 0.0 else 0.0
+    for c in range(3):
+        across = (moments[c] - moments[a]) * w[c] / moments[c] - along * w[c]
+        w[c] += stretch * w[c] + shift * across
+
+
+@kernel
+def _align(q, w, moments, momentum):
+    """Turn the attitude q of the principal axes by rounding, so that R I w is along the momentum; to unit length."""
+    x, y, z = moments[0] * w[0], moments[1] * w[1], moments[2] * w[2]
+    a, b, c, d = q[0], q[1], q[2], q[3]
+    # u = q l q⁻¹ in two products, up to the square of the length
+    s, e, f, g = -b * x - c * y - d * z, a * x + c * z - d * y, a * y + d * x - b * z, a * z + b * y - c * x
+    size = a * a + b * b + c * c + d * d
+    ux = (-s * b + e * a - f * d + g * c) / size
+    uy = (-s * c + f * a - g * b + e * d) / size
+    uz = (-s * d + g * a - e * c + f * b) / size
+    half = 0.5 / (momentum[0] ** 2 + momentum[1] ** 2 + momentum[2] ** 2)
+    tx = half * (uy * momentum[2] - uz * momentum[1])
+    ty = half * (uz * momentum[0] - ux * momentum[2])
+    tz = half * (ux * momentum[1] - uy * momentum[0])
+    q[0] = a - tx * b - ty * c - tz * d
+    q[1] = b + tx * a + ty * d - tz * c
+    q[2] = c - tx * d + ty * a + tz * b
+    q[3] = d + tx * c - ty * b + tz * a
+    size = math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    for k in range(4):
+        q[k] /= size
+
+
+@kernel
+def _driven_series(q, momentum, inverse_inertia, torque, lever, spin_drag, out):
     """Taylor series of the quaternion into `out`; returns the time for which it holds [s].
 
     `lever` = Σ p Fᵀ of forces F constant in the world at points p fixed in the body: their torque
@@ -74,8 +198,7 @@ def _spin_series(q, momentum, inverse_inertia, torque, lever, spin_drag, forced,
             dq[1] += p[0] * b[0] + p[2] * b[2] - p[3] * b[1]
             dq[2] += p[0] * b[1] - p[1] * b[2] + p[3] * b[0]
             dq[3] += p[0] * b[2] + p[1] * b[1] - p[2] * b[0]
-        if forced:
-            _add_torque(dl, axes, w, torque, lever, spin_drag, k)
+        _add_torque(dl, axes, w, torque, lever, spin_drag, k)
         for c in range(3):
             l[k + 1, c] = dl[c] / (k + 1.0)
         for c in range(4):
@@ -115,13 +238,8 @@ def _path_series(x, v, acceleration, drag, out):
 
 
 @kernel
-def free_flight(
-    x, v, q, momentum, acceleration, drag, inverse, quickness, unevenness, series, x_series, q_series, bounds
-):
-    """Polynomials of free flight of one body, bounds of what it can do meanwhile, and how long they hold [s].
-
-    `series` is False for a body whose attitude needs none: it does not turn, or looks the same from all sides.
-    """
+def _begin_path(x, v, q, acceleration, drag, x_series, q_series, bounds):
+    """Path of a body that keeps its attitude, and bounds of what it can do; returns for how long they hold [s]."""
     span = _path_series(x, v, acceleration, drag, x_series)
     for c in range(4):
         q_series[0, c] = q[c]
@@ -132,26 +250,87 @@ def free_flight(
         bounds[c] = 2.0 * x_series[2, c]
     if drag > 0.0:
         bounds[3] = 2.0 * drag * span * (norm(acceleration) + drag * norm(v))
-    if series and norm(momentum) > 0.0:
-        zero = np.zeros((3, 3))
-        span = min(span, _spin_series(q, momentum, inverse, zero[0], zero, 0.0, False, q_series))
-        # with p = 1 / smallest moment: |ω| <= p |L| and |ω|² <= 2 p energy
-        w = spin(matrix(q), inverse, momentum)
-        fastest = min(quickness * norm(momentum), math.sqrt(max(dot(w, momentum), 0.0) * quickness))
-        bounds[4] = fastest
-        # ω₁' = c₁ ω₂ ω₃ with |c| <= unevenness, and Σ ω₂² ω₃² <= |ω|⁴ / 3
-        bounds[5] = unevenness * fastest * fastest / math.sqrt(3.0)
     return span
+
+
+@kernel
+def free_flight(
+    x, v, q, momentum, acceleration, drag, moments, frame, quickness, unevenness, turns,
+    x_series, q_series, spin_series, kept, bounds
+):  # fmt: skip
+    """Polynomials of free flight of one body, bounds of what it can do meanwhile, and how long they hold [s].
+
+    `turns` is False for a body whose attitude needs no series: it does not turn, or looks the same from all sides.
+    """
+    span = _begin_path(x, v, q, acceleration, drag, x_series, q_series, bounds)
+    if not turns or norm(momentum) == 0.0:
+        return span
+    _begin_spin(q, momentum, moments, frame, q_series, spin_series, kept)
+    fastest = _fastest(spin_series[0], moments, quickness)
+    bounds[4] = fastest
+    # ω₁' = c₁ ω₂ ω₃ with |c| <= unevenness, and Σ ω₂² ω₃² <= |ω|⁴ / 3
+    bounds[5] = unevenness * fastest * fastest / math.sqrt(3.0)
+    return min(span, _spin_series(moments, frame, spin_series, q_series))
+
+
+@kernel
+def _fastest(w, moments, quickness):
+    """Greatest angular velocity of a free body that now turns at w in its principal axes [rad/s].
+
+    With p = 1 / smallest moment: |ω| <= p |L| and |ω|² <= 2 p energy.
+    """
+    square = energy = 0.0
+    for c in range(3):
+        square += moments[c] * w[c] * moments[c] * w[c]
+        energy += moments[c] * w[c] * w[c]
+    return min(quickness * math.sqrt(square), math.sqrt(energy * quickness))
+
+
+@kernel
+def continued_flight(s, x, v, q, momentum, acceleration, drag, moments, frame, x_series, q_series, spin_series, kept,
+                     bounds):  # fmt: skip
+    """Polynomials of a free flight from s [s] in its segment on, and how long they hold [s]; also writes x, v and q.
+
+    A body that turns keeps what it has kept since `free_flight`: nothing drifts, whatever the number of segments.
+    """
+    place(s, x_series, x, v)
+    if bounds[4] == 0.0:
+        for c in range(4):
+            q[c] = q_series[0, c]
+        return _begin_path(x, v, q, acceleration, drag, x_series, q_series, bounds)
+    span = _path_series(x, v, acceleration, drag, x_series)
+    for c in range(3):
+        bounds[c] = 2.0 * x_series[2, c]
+    if drag > 0.0:
+        bounds[3] = 2.0 * drag * span * (norm(acceleration) + drag * norm(v))
+    _ends(s, q_series)
+    _ends(s, spin_series)
+    if frame[0] != 1.0:
+        _compose(q_series[0], frame[0], frame[1], frame[2], frame[3])
+    _keep(spin_series[0], moments, kept)
+    _align(q_series[0], spin_series[0], moments, momentum)
+    span = min(span, _spin_series(moments, frame, spin_series, q_series))
+    for c in range(4):
+        q[c] = q_series[0, c]
+    return span
+
+
+@kernel
+def _ends(s, series):
+    """Replace the first coefficients of a series by its value at s."""
+    for c in range(series.shape[1]):
+        p = series[ORDER, c]
+        for k in range(ORDER - 1, -1, -1):
+            p = p * s + series[k, c]
+        series[0, c] = p
 
 
 @kernel
 def driven_flight(x, v, q, momentum, acceleration, drag, inverse, quickness, torque, lever, damping, x_series, q_series,
                   bounds):  # fmt: skip
-    """The same for a body on which a torque acts: see `free_flight` and `_spin_series`."""
-    span = free_flight(
-        x, v, q, momentum, acceleration, drag, inverse, quickness, 0.0, False, x_series, q_series, bounds
-    )
-    span = min(span, _spin_series(q, momentum, inverse, torque, lever, damping, True, q_series))
+    """As `free_flight`, for a body on which a torque acts: see `_driven_series`."""
+    span = _begin_path(x, v, q, acceleration, drag, x_series, q_series, bounds)
+    span = min(span, _driven_series(q, momentum, inverse, torque, lever, damping, q_series))
     load = norm(torque) + norm(lever[0]) + norm(lever[1]) + norm(lever[2])
     most = norm(momentum) + (load * span if load > 0.0 else 0.0)
     fastest = quickness * most
@@ -161,24 +340,48 @@ def driven_flight(x, v, q, momentum, acceleration, drag, inverse, quickness, tor
 
 
 @kernel
-def where(s, x_series, q_series, x, v, q, rate):
-    """Position, velocity, quaternion and its rate s seconds into one body's segment, into the arrays given."""
+def _order(series):
+    """Order of a polynomial of free flight or of lasting contact: two, five, or all there is."""
+    top = 2
+    for c in range(series.shape[1]):
+        if series[6, c] != 0.0 or series[7, c] != 0.0:
+            return ORDER
+        if series[3, c] != 0.0 or series[4, c] != 0.0 or series[5, c] != 0.0:
+            top = 5
+    return top
+
+
+@kernel
+def place(s, x_series, x, v):
+    """Position and velocity s seconds into a segment, into the arrays given."""
+    top = _order(x_series)
     for c in range(3):
-        p = x_series[ORDER, c]
+        p = x_series[top, c]
         d = 0.0
-        for k in range(ORDER - 1, -1, -1):
+        for k in range(top - 1, -1, -1):
             d = d * s + p
             p = p * s + x_series[k, c]
         x[c] = p
         v[c] = d
-    for c in range(4):
-        p = q_series[ORDER, c]
-        d = 0.0
-        for k in range(ORDER - 1, -1, -1):
-            d = d * s + p
-            p = p * s + q_series[k, c]
-        q[c] = p
-        rate[c] = d
+
+
+@kernel
+def attitude(s, q_series):
+    """Quaternion (4 numbers, of about unit length) and its rate (4 numbers) s seconds into a segment."""
+    top = _order(q_series)
+    a, b, c, d = q_series[top, 0], q_series[top, 1], q_series[top, 2], q_series[top, 3]
+    da = db = dc = dd = 0.0
+    for k in range(top - 1, -1, -1):
+        da, db, dc, dd = da * s + a, db * s + b, dc * s + c, dd * s + d
+        a, b, c, d = a * s + q_series[k, 0], b * s + q_series[k, 1], c * s + q_series[k, 2], d * s + q_series[k, 3]
+    return a, b, c, d, da, db, dc, dd
+
+
+@kernel
+def where(s, x_series, q_series, x, v, q, rate):
+    """Position, velocity, quaternion and its rate s seconds into one body's segment, into the arrays given."""
+    place(s, x_series, x, v)
+    q[0], q[1], q[2], q[3], rate[0], rate[1], rate[2], rate[3] = attitude(s, q_series)
 
 
 @kernel
@@ -226,25 +429,21 @@ def carry(t, plain, inverse_inertia, x, v, q, momentum, begin, x_series, q_serie
 
 
 @kernel
-def fly_on(t, free, turning, x, v, q, momentum, acceleration, drag, inverse, quickness, unevenness, begin, end, start,
-           x_series, q_series, bounds):  # fmt: skip
+def fly_on(t, free, x, v, q, momentum, acceleration, drag, moments, frame, begin, end, start, x_series, q_series,
+           spin_series, kept, bounds):  # fmt: skip
     """Continue the flights of the bodies `free` that end by time t, each at its own time, until all last beyond t.
 
     Returns the number of a body whose series last no time at all, or -1.
     """
-    rate = np.empty(4)
     for i in range(len(free)):
         while free[i] and end[i] <= t:
-            where(end[i] - begin[i], x_series[i], q_series[i], x[i], v[i], q[i], rate)
-            size = math.sqrt(q[i, 0] ** 2 + q[i, 1] ** 2 + q[i, 2] ** 2 + q[i, 3] ** 2)
-            for c in range(4):
-                q[i, c] /= size
+            s = end[i] - begin[i]
             for c in range(3):
                 start[i, c] = momentum[i, c]
             begin[i] = end[i]
-            end[i] += free_flight(
-                x[i], v[i], q[i], momentum[i], acceleration[i], drag[i], inverse[i], quickness[i], unevenness[i],
-                turning[i], x_series[i], q_series[i], bounds[i],
+            end[i] += continued_flight(
+                s, x[i], v[i], q[i], momentum[i], acceleration[i], drag[i], moments[i], frame[i], x_series[i],
+                q_series[i], spin_series[i], kept[i], bounds[i],
             )  # fmt: skip
             if not end[i] > begin[i]:
                 return i

@@ -27,6 +27,8 @@ class Bodies(NamedTuple):
     inverse_inertia: np.ndarray  # (n, 3, 3) body frame [1/(kg m2)]; zero: does not turn
     root: np.ndarray  # (n, 3, 3) B with B Bᵀ = inverse inertia
     inertia: np.ndarray  # (n, 3, 3) body frame [kg m2]
+    moments: np.ndarray  # (n, 3) principal moments [kg m2]
+    frame: np.ndarray  # (n, 4) quaternion of the principal axes in the body frame
     quickness: np.ndarray  # (n,) inverse of the smallest principal moment [1/(kg m2)]
     unevenness: np.ndarray  # (n,) greatest (I_j - I_k) / I_i of the principal moments
     acceleration: np.ndarray  # (n, 3) by constant loads, or prescribed [m/s2]
@@ -55,6 +57,10 @@ class Motion:
         Interval in which the polynomials of a body hold.
     x_series : (n, ORDER + 1, 3) array;  q_series : (n, ORDER + 1, 4) array
         Coefficients of position and quaternion in powers of (time - begin).
+    spin_series : (n, ORDER + 1, 3) array
+        Coefficients of the angular velocity in the principal axes, in free flight [rad/s].
+    kept : (n, 4) array
+        What a free rotation keeps, see `integrators.free_flight` [(kg m2/s)2].
     start : (n, 3) array
         Angular momentum at `begin`; conserved in free flight without torque.
     bounds : (n, 6) array
@@ -71,6 +77,8 @@ class Motion:
     end: np.ndarray = field(init=False)
     x_series: np.ndarray = field(init=False)
     q_series: np.ndarray = field(init=False)
+    spin_series: np.ndarray = field(init=False)
+    kept: np.ndarray = field(init=False)
     start: np.ndarray = field(init=False)
     bounds: np.ndarray = field(init=False)
 
@@ -78,6 +86,7 @@ class Motion:
         n = len(self.x)
         self.begin, self.end = np.zeros(n), np.zeros(n)
         self.x_series, self.q_series = np.zeros((n, ORDER + 1, 3)), np.zeros((n, ORDER + 1, 4))
+        self.spin_series, self.kept = np.zeros((n, ORDER + 1, 3)), np.zeros((n, 4))
         self.start, self.bounds = self.L.copy(), np.zeros((n, 6))
 
 
@@ -88,7 +97,8 @@ def bodies_of(scene: Scene) -> Bodies:
     zeros = np.zeros
     matrices = zeros((n, 3, 3))
     b = Bodies(
-        zeros(n), matrices, matrices.copy(), matrices.copy(), zeros(n), zeros(n), zeros((n, 3)), zeros((n, 3)),
+        zeros(n), matrices, matrices.copy(), matrices.copy(), zeros((n, 3)), np.tile((1.0, 0.0, 0.0, 0.0), (n, 1)),
+        zeros(n), zeros(n), zeros((n, 3)), zeros((n, 3)),
         matrices.copy(), zeros(n), zeros(n), np.full(n, SOLID), zeros((n, 3)), zeros(n), zeros((n, 3)), zeros(n),
         zeros(n, dtype=np.bool_), zeros(n, dtype=np.bool_),
     )  # fmt: skip
@@ -112,8 +122,8 @@ def bodies_of(scene: Scene) -> Bodies:
             inertia = np.array(body.inertia_tensor)
             b.inertia[i] = inertia
             b.inverse_inertia[i], b.root[i] = _inverse_and_root(inertia)
-            diagonal = not np.any(inertia - np.diag(np.diag(inertia)))
-            low, middle, high = np.sort(np.diag(inertia)) if diagonal else np.linalg.eigvalsh(inertia)
+            b.moments[i], b.frame[i] = _principal(inertia)
+            low, middle, high = np.sort(b.moments[i])
             b.quickness[i] = 1.0 / low
             b.unevenness[i] = max((high - middle) / low, (high - low) / middle, (middle - low) / high)
     return b
@@ -139,3 +149,15 @@ def _inverse_and_root(inertia: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     moments, axes = np.linalg.eigh(inertia)
     root = axes / np.sqrt(moments)
     return root @ root.T, root
+
+
+def _principal(inertia: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Principal moments of a tensor, and the quaternion of their axes; the axes of the body if these are principal."""
+    if not np.any(inertia - np.diag(np.diag(inertia))):
+        return np.diag(inertia), np.array((1.0, 0.0, 0.0, 0.0))
+    from mechanics.rotation import from_matrix
+
+    moments, axes = np.linalg.eigh(inertia)
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 0] *= -1.0
+    return moments, from_matrix(axes)

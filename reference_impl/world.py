@@ -285,8 +285,8 @@ class World:
             )  # fmt: skip
         elif (turning and m.L[i].any()) or (b.drag[i] > 0.0 and self.mode[i] != STILL):
             span = free_flight(
-                m.x[i], m.v[i], m.q[i], m.L[i], acceleration, b.drag[i], b.inverse_inertia[i], b.quickness[i],
-                b.unevenness[i], turning, m.x_series[i], m.q_series[i], m.bounds[i],
+                m.x[i], m.v[i], m.q[i], m.L[i], acceleration, b.drag[i], b.moments[i], b.frame[i], b.quickness[i],
+                b.unevenness[i], turning, m.x_series[i], m.q_series[i], m.spin_series[i], m.kept[i], m.bounds[i],
             )  # fmt: skip
         else:
             span = math.inf
@@ -336,9 +336,8 @@ class World:
         free = (self.mode == FLYING) & ~b.twisted
         if not (free & (m.end <= t)).any():
             return
-        turning = (b.quickness > 0.0) & ~b.plain
-        stuck = fly_on(t, free, turning, m.x, m.v, m.q, m.L, b.acceleration, b.drag, b.inverse_inertia, b.quickness,
-                       b.unevenness, m.begin, m.end, m.start, m.x_series, m.q_series, m.bounds)  # fmt: skip
+        stuck = fly_on(t, free, m.x, m.v, m.q, m.L, b.acceleration, b.drag, b.moments, b.frame, m.begin, m.end,
+                       m.start, m.x_series, m.q_series, m.spin_series, m.kept, m.bounds)  # fmt: skip
         if stuck >= 0:
             raise Stalled(f"flight of {self.names(stuck)}: too fast a turn", float(m.begin[stuck]))
 
