@@ -19,8 +19,8 @@ import math
 
 import numpy as np
 
-from reference_impl.integrators import where
-from reference_impl.kernels import angular_velocity, apply_transposed, cross, dot, kernel, matrix, norm
+from reference_impl.integrators import attitude, order
+from reference_impl.kernels import apply_transposed, cross, dot, kernel, norm
 
 CLEAR, HIT, TIRED = 0, 1, 2
 EVALUATIONS = 5000  # of one call; a search that needs more goes on in the next call
@@ -105,15 +105,36 @@ def widest(corners):
 
 
 @kernel
-def over_plane(t, begin_a, xs_a, qs_a, begin_b, xs_b, normal, q, rate, out):
-    """Quaternion of a and its rate at time t; height of a's centre over the plane [m] and its rate into `out`."""
-    x, v, y, u = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    where(t - begin_b, xs_b, qs_a, y, u, q, rate)
-    where(t - begin_a, xs_a, qs_a, x, v, q, rate)
-    out[0] = out[1] = 0.0
+def height(t, begin_a, xs_a, begin_b, xs_b, normal):
+    """Height of a's centre over the plane at time t [m] and its rate [m/s]."""
+    s, u = t - begin_a, t - begin_b
+    top_a, top_b = order(xs_a), order(xs_b)
+    gap = rate = 0.0
     for c in range(3):
-        out[0] += normal[c] * (x[c] - y[c])
-        out[1] += normal[c] * (v[c] - u[c])
+        x, y = xs_a[top_a, c], xs_b[top_b, c]
+        dx = dy = 0.0
+        for k in range(top_a - 1, -1, -1):
+            dx, x = dx * s + x, x * s + xs_a[k, c]
+        for k in range(top_b - 1, -1, -1):
+            dy, y = dy * u + y, y * u + xs_b[k, c]
+        gap += normal[c] * (x - y)
+        rate += normal[c] * (dx - dy)
+    return gap, rate
+
+
+@kernel
+def seen(s, q_series, n):
+    """The world vector n in the frame of a body s seconds into its segment, and its rate there (3 numbers each)."""
+    a, b, c, d, da, db, dc, dd = attitude(s, q_series)
+    part = 2.0 / (a * a + b * b + c * c + d * d)
+    x = n[0] - part * ((c * c + d * d) * n[0] - (b * c + a * d) * n[1] - (b * d - a * c) * n[2])
+    y = n[1] - part * ((b * b + d * d) * n[1] - (c * d + a * b) * n[2] - (b * c - a * d) * n[0])
+    z = n[2] - part * ((b * b + c * c) * n[2] - (b * d + a * c) * n[0] - (c * d - a * b) * n[1])
+    # angular velocity in the body, 2 q⁻¹ q'
+    p = part * (a * db - b * da - c * dd + d * dc)
+    q = part * (a * dc - c * da - d * db + b * dd)
+    r = part * (a * dd - d * da - b * dc + c * db)
+    return x, y, z, y * r - z * q, z * p - x * r, x * q - y * p
 
 
 @kernel
@@ -137,37 +158,50 @@ def approach_plane(
     -------
     time [s], CLEAR or HIT or TIRED, number of evaluations
     """
-    f, df = np.empty(len(corners)), np.empty(len(corners))
-    none, zero = np.zeros(1), np.zeros(3)
-    mask = np.zeros((len(corners), 1), dtype=np.bool_)
-    out, height = np.empty(2), np.empty(2)
-    q, rate = np.empty(4), np.empty(4)
-    k = difference(bounds_a, bounds_b) + widest(corners) * (bounds_a[4] ** 2 + bounds_a[5])
+    size, pull = widest(corners), difference(bounds_a, bounds_b)
+    k = pull + size * (bounds_a[4] ** 2 + bounds_a[5])
+    mask = np.zeros(len(corners) if touching else 0, dtype=np.bool_)
     for count in range(1, EVALUATIONS + 1):
-        over_plane(t, begin_a, xs_a, qs_a, begin_b, xs_b, normal, q, rate, height)
-        base, drift = height[0] - radius, height[1]
-        shadow(corners, matrix(q), angular_velocity(q, rate), normal, zero, f, df)
-        if touching and count == 1:
-            for i in range(len(corners)):
-                mask[i, 0] = base + f[i] <= reach and drift + df[i] <= parting
-        s = safe(base, drift, f, df, none, none, k, tolerance, speed, mask, out)
-        if t + s >= end:
+        base, drift = height(t, begin_a, xs_a, begin_b, xs_b, normal)
+        base -= radius
+        if base > 1.001 * size > 0.0:  # the bounding sphere, wherever the corners are
+            s = root(base - size, drift, pull)
+            if t + s >= end:
+                return end, CLEAR, count
+            t += s
+            continue
+        x, y, z, dx, dy, dz = seen(t - begin_a, qs_a, normal)
+        least, low, fall = np.inf, np.inf, 0.0
+        for i in range(len(corners)):
+            gap = base + (x * corners[i, 0] + y * corners[i, 1] + z * corners[i, 2])
+            rate = drift + (dx * corners[i, 0] + dy * corners[i, 1] + dz * corners[i, 2])
+            if touching:
+                if count == 1:
+                    mask[i] = gap <= reach and rate <= parting
+                if mask[i]:
+                    continue
+            free = room(gap, rate, tolerance, speed)
+            if least < np.inf and free + rate * least - 0.5 * k * least * least >= 0.0:
+                continue
+            s = root(free, rate, k)
+            if s < least:
+                least, low, fall = s, gap, rate
+        if t + least >= end:
             return end, CLEAR, count
-        if out[0] <= tolerance and out[1] < -speed:
-            return t + s, HIT, count
-        t += s
+        if low <= tolerance and fall < -speed:
+            return t + least, HIT, count
+        t += least
     return t, TIRED, EVALUATIONS
 
 
 @kernel
 def gap_plane(t, begin_a, xs_a, qs_a, corners, radius, begin_b, xs_b, normal):
     """Gap of such a body and a half-space at time t [m], and its rate [m/s]."""
-    height, q, rate = np.empty(2), np.empty(4), np.empty(4)
-    over_plane(t, begin_a, xs_a, qs_a, begin_b, xs_b, normal, q, rate, height)
-    f, df = np.empty(len(corners)), np.empty(len(corners))
-    shadow(corners, matrix(q), angular_velocity(q, rate), normal, np.zeros(3), f, df)
-    low = 0
-    for i in range(1, len(corners)):
-        if f[i] < f[low]:
-            low = i
-    return height[0] - radius + f[low], height[1] + df[low]
+    base, drift = height(t, begin_a, xs_a, begin_b, xs_b, normal)
+    x, y, z, dx, dy, dz = seen(t - begin_a, qs_a, normal)
+    gap, rate = np.inf, 0.0
+    for i in range(len(corners)):
+        low = base - radius + (x * corners[i, 0] + y * corners[i, 1] + z * corners[i, 2])
+        if low < gap:
+            gap, rate = low, drift + (dx * corners[i, 0] + dy * corners[i, 1] + dz * corners[i, 2])
+    return gap, rate

@@ -24,7 +24,7 @@ from reference_impl import dormand_prince
 from reference_impl.kernels import angular_velocity, apply, apply_transposed, kernel, matrix, norm, turned
 from reference_impl.state import ORDER
 
-TRUNCATION = 1e-17  # relative size of the last term kept: below rounding
+TRUNCATION = 1e-16  # relative size of the last terms kept; what is left out is less than a tenth of it: below rounding
 
 
 @kernel
@@ -234,7 +234,7 @@ def _path_series(x, v, acceleration, drag, out):
         out[2, c] = 0.5 * (acceleration[c] - drag * v[c])
         for k in range(2, ORDER):
             out[k + 1, c] = -drag * out[k, c] / (k + 1.0) if drag > 0.0 else 0.0
-    return 0.5 / drag if drag > 0.0 else np.inf  # (1/2)^17 / 17! is far below rounding
+    return 0.5 / drag if drag > 0.0 else np.inf  # (1/2)^(ORDER + 1) over its factorial is far below rounding
 
 
 @kernel
@@ -340,7 +340,7 @@ def driven_flight(x, v, q, momentum, acceleration, drag, inverse, quickness, tor
 
 
 @kernel
-def _order(series):
+def order(series):
     """Order of a polynomial of free flight or of lasting contact: two, five, or all there is."""
     top = 2
     for c in range(series.shape[1]):
@@ -354,7 +354,7 @@ def _order(series):
 @kernel
 def place(s, x_series, x, v):
     """Position and velocity s seconds into a segment, into the arrays given."""
-    top = _order(x_series)
+    top = order(x_series)
     for c in range(3):
         p = x_series[top, c]
         d = 0.0
@@ -368,7 +368,7 @@ def place(s, x_series, x, v):
 @kernel
 def attitude(s, q_series):
     """Quaternion (4 numbers, of about unit length) and its rate (4 numbers) s seconds into a segment."""
-    top = _order(q_series)
+    top = order(q_series)
     a, b, c, d = q_series[top, 0], q_series[top, 1], q_series[top, 2], q_series[top, 3]
     da = db = dc = dd = 0.0
     for k in range(top - 1, -1, -1):

@@ -11,6 +11,7 @@ from mechanics.effects import Drag, Gravity, Resting, Restitution, Rotation
 from mechanics.rotation import matrix, normalised
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
+from reference_impl.advancement import gap_plane
 from reference_impl.simulate import advance, begin, simulate
 from reference_impl.time_of_contact import BRACKETED, METHODS, Bracket, bisection, parabola, spheres_meet
 from reference_impl.world import Settings
@@ -155,3 +156,24 @@ def test_bodies_that_never_meet_cost_next_to_nothing():
     world = begin(Scene((a, b), (Restitution(1.0), Resting())))
     advance(world, 1000.0)
     assert world.search.evaluations < 10
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_gap_over_a_plane_is_that_of_the_lowest_corner(seed):
+    """Height and rate from the polynomials alone, against the attitude as a matrix and ω × r."""
+    rng = np.random.default_rng(seed)
+    up = rng.normal(size=3)
+    up /= np.linalg.norm(up)
+    floor = Body("floor", HalfSpace(tuple(up)), velocity=tuple(rng.normal(size=3)))
+    box = Body("box", Box((0.4, 0.6, 1.0)), 1.0, tuple(5.0 * up), tuple(normalised(rng.normal(size=4))),
+               velocity=tuple(rng.normal(size=3)), angular_velocity=tuple(3.0 * rng.normal(size=3)))  # fmt: skip
+    world = begin(Scene((floor, box), (Gravity(), Rotation(), Restitution(0.0), Resting())))
+    corners = np.array([(x, y, z) for x in (-0.2, 0.2) for y in (-0.3, 0.3) for z in (-0.5, 0.5)])
+    m, t = world.motion, 0.7 * float(world.motion.end[1])
+    gap, rate = gap_plane(t, m.begin[1], m.x_series[1], m.q_series[1], corners, 0.0, m.begin[0], m.x_series[0], up)
+    world.carry(t)
+    state = world.state()
+    arms = corners @ matrix(state.q[1]).T
+    low = int(np.argmin(arms @ up))
+    assert gap == pytest.approx(up @ (state.x[1] + arms[low] - state.x[0]), abs=1e-14)
+    assert rate == pytest.approx(up @ (state.v[1] + np.cross(state.w[1], arms[low]) - state.v[0]), abs=1e-13)
