@@ -109,9 +109,6 @@ def measure(tiny: bool = False) -> Row:
             ),
         ),
         how="attitude at the end; truth by elliptic functions and by Taylor series, which agree to 1e-30",
-        missed="in this motion an energy that is off by 1e-16 of itself, one rounding, is an attitude off by 2e-11 rad "
-        "after 100 s (by the closed form), and it is rounded anew at each piece of the path; each piece is begun from "
-        "Python, which is most of the time",
         judged="attitude [rad]",
         beside=(beside(found, error), *alongside(scene(), [0.0, duration], error)),
     )
