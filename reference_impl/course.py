@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from reference_impl.world import World
 
 EVEN = 1e-15  # distance from its polynomials at which a motion is theirs [size of the coordinates]
+PROBE = 0.3  # where the two are compared [step]
 SAFETY = 1.5  # on bounds of the accelerations within a step, which are sampled at its stages
 SWING = 0.1  # part of the tolerance for bodies that swing, whose errors add up with nothing that takes them out again
 EPS = float(np.finfo(np.float64).eps)
@@ -165,13 +166,14 @@ class Course:
     def look(self, t: float) -> None:
         """Set the world's motion of these bodies to what it is at time t of the step, which goes on undisturbed.
 
-        To the polynomials where they are the motion to rounding, as under constant accelerations; they differ from
-        it most at the middle of the step.  Else the motion itself is carried there.
+        To the polynomials where they are the motion to rounding, as under constant accelerations; else the motion
+        itself is carried there.  They differ from it most near the middle of the step, but for the angle of a steady
+        turn, which they have exactly there, by symmetry.
         """
         kept = self.states, self.kept, self.push
         if self._even is None:
-            middle = 0.5 * (self.begin + self.end)
-            away = self.deviation(middle, self.carried(middle)[0])
+            within = self.begin + PROBE * (self.end - self.begin)
+            away = self.deviation(within, self.carried(within)[0])
             size = np.abs(self.y.reshape(-1, WIDTH)[:, :3]).max() + self.bodies.reach[self.members].max()
             self._even = bool(away <= EVEN * size)
         m = self.world.motion
