@@ -62,7 +62,7 @@ def line_of(world: World, rough: bool) -> Line | None:
     m, b = world.motion, world.bodies
     spheres = b.shape != PLANE
     free = np.flatnonzero(spheres)
-    if len(free) > LONGEST or b.acceleration.any() or (world.mode == STILL).any():
+    if not 0 < len(free) <= LONGEST or b.acceleration.any() or (world.mode == STILL).any():
         return None
     if rough and m.L.any():  # spin would push them off the line
         return None
