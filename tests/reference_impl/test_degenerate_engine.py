@@ -48,7 +48,8 @@ def test_no_time_changes_nothing(duration):
 
 def test_an_interruption_leaves_the_world_readable_and_able_to_go_on(monkeypatch):
     """Ctrl-C between two events: the state is finite and at the time it says, and going on ends where it would have."""
-    scene = Scene((FLOOR, Body("box", Box((0.2, 0.2, 0.2)), 1.0, (0.0, 0.0, 1.1))), (Gravity(), Restitution(0.9), Resting()))
+    box = Body("box", Box((0.2, 0.2, 0.2)), 1.0, (0.0, 0.0, 1.1))
+    scene = Scene((FLOOR, box), (Gravity(), Restitution(0.9), Resting()))
     undisturbed, world = begin(scene), begin(scene)
     advance(undisturbed, 3.0)
     real, calls = loop.settle, []
