@@ -14,8 +14,9 @@ import math
 
 import numpy as np
 
-from reference_impl.advancement import CLEAR, EVALUATIONS, HIT, TIRED, difference, over_plane, room, root
+from reference_impl.advancement import CLEAR, EVALUATIONS, HIT, TIRED, difference, room, root
 from reference_impl.advancement_boxes import relative
+from reference_impl.integrators import where
 from reference_impl.kernels import angular_velocity, apply, apply_transposed, cross, dot, kernel, matrix, norm
 
 REFINEMENTS = 60  # Newton steps of `rim_root`, which converge quadratically and from one side
@@ -74,6 +75,18 @@ def _rim(side, half, rotation, w, n, dn, p, dp):
 
 
 @kernel
+def _over_plane(t, begin_a, xs_a, qs_a, begin_b, xs_b, normal, q, rate, out):
+    """Quaternion of a and its rate at time t; height of a's centre over the plane [m] and its rate into `out`."""
+    x, v, y, u = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    where(t - begin_b, xs_b, qs_a, y, u, q, rate)
+    where(t - begin_a, xs_a, qs_a, x, v, q, rate)
+    out[0] = out[1] = 0.0
+    for c in range(3):
+        out[0] += normal[c] * (x[c] - y[c])
+        out[1] += normal[c] * (v[c] - u[c])
+
+
+@kernel
 def approach_rims_plane(
     t, end, begin_a, xs_a, qs_a, ring, half, bounds_a, begin_b, xs_b, normal, bounds_b,
     tolerance, speed, touching, reach, parting
@@ -88,7 +101,7 @@ def approach_rims_plane(
     held, flat = np.zeros(2, dtype=np.bool_), np.zeros(2, dtype=np.bool_)
     k = difference(bounds_a, bounds_b) + math.sqrt(ring * ring + half * half) * (bounds_a[4] ** 2 + bounds_a[5])
     for count in range(1, EVALUATIONS + 1):
-        over_plane(t, begin_a, xs_a, qs_a, begin_b, xs_b, normal, q, rate, height)
+        _over_plane(t, begin_a, xs_a, qs_a, begin_b, xs_b, normal, q, rate, height)
         rotation, w = matrix(q), angular_velocity(q, rate)
         least = np.inf
         limit[0], limit[1] = np.inf, 0.0
@@ -125,7 +138,7 @@ def approach_rims_plane(
 def gap_rims_plane(t, begin_a, xs_a, qs_a, ring, half, begin_b, xs_b, normal):
     """Gap of a cylinder and a half-space at time t [m], and its rate [m/s]."""
     height, q, rate = np.empty(2), np.empty(4), np.empty(4)
-    over_plane(t, begin_a, xs_a, qs_a, begin_b, xs_b, normal, q, rate, height)
+    _over_plane(t, begin_a, xs_a, qs_a, begin_b, xs_b, normal, q, rate, height)
     rotation, w = matrix(q), angular_velocity(q, rate)
     p, dp = np.empty(2), np.empty(2)
     side = -1.0 if dot(normal, rotation[:, 2]) > 0.0 else 1.0
