@@ -139,9 +139,7 @@ class Audit:
     gap: float = 0.0  # deepest overlap found at an event [m], <= 0
     drift: float = 0.0  # worst gap of a joint after a step, relative to its size
     energy_rise: float = 0.0  # of an impact or a return to rest [J]; only where no fixed body moves
-    step_rise: float = (
-        0.0  # of kinetic energy and that of the loads between two of these [J]; where their work is known
-    )
+    step_rise: float = 0.0  # the same between two of these, with the loads' energy [J]; where their work is known
     imbalance: float = 0.0  # momentum and angular momentum that an impact made or lost, relative to all there is
     rests: int = 0  # bodies brought to proven rest
     painleve: int = 0  # times that no contact forces existed and an impulse took their place
@@ -177,9 +175,7 @@ class World:
     hits: np.ndarray = field(init=False)  # (pairs,) whether it does then
     moving: bool = field(init=False)  # whether some fixed body moves
     knows_work: bool = field(init=False)  # see `audit.knows_work`
-    energy: np.ndarray = field(
-        init=False
-    )  # (n,) of each body when its contacts were last looked at [J]; NaN: not known
+    energy: np.ndarray = field(init=False)  # (n,) when a body's contacts were last looked at [J]; NaN: not known
     rested: np.ndarray = field(init=False)  # bodies that came to proven rest at some time
     foreseen: np.ndarray = field(init=False)  # when each sphere will have bounced for the last time [s]
     changes: np.ndarray = field(init=False)  # how often each body has passed from flight to contact or back

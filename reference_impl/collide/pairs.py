@@ -7,6 +7,7 @@ box becomes one beside it.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from functools import cached_property
 from typing import Any
 
@@ -74,7 +75,7 @@ class Shapes:
         return self.solid(i).radius if self.bodies.shape[i] == SOLID else float(self.bodies.radius[i])
 
 
-class Pair:
+class Pair(ABC):
     """Two shapes a and b; methods take the bodies' numbers in the order of the pair.
 
     Attributes
@@ -91,26 +92,21 @@ class Pair:
     def __init__(self, shapes: Shapes) -> None:
         self.shapes = shapes
 
+    @abstractmethod
     def contacts(self, a: int, b: int, x: np.ndarray, rotation: np.ndarray, reach: float) -> Found:
         """Touching features with a gap of at most `reach` [m]."""
-        s = self.shapes
-        count = self._find(a, b, x, rotation, reach, s.kinds, s.reals)
-        return s.kinds[:count].copy(), s.reals[:count].copy()
-
-    def _find(self, a: int, b: int, x: np.ndarray, rotation: np.ndarray, reach: float, kinds: Any, reals: Any) -> int:
-        raise NotImplementedError
 
     def exact(self, a: int, b: int, t: float, m: Motion, tolerance: float, speed: float) -> float | None:
         """Time of contact where there is a closed form [s], else None."""
         return None
 
+    @abstractmethod
     def approach(self, a: int, b: int, t: float, end: float, m: Motion, limits: Limits) -> tuple[float, int, int]:
         """Conservative advancement, as `advancement.approach_plane`."""
-        raise NotImplementedError
 
+    @abstractmethod
     def gap(self, a: int, b: int, t: float, m: Motion) -> tuple[float, float]:
         """Gap [m] and its rate [m/s]."""
-        raise NotImplementedError
 
     def margin(self, kinds: np.ndarray, reals: np.ndarray, x: np.ndarray, rotation: np.ndarray) -> float:
         """How far inside its features a contact lies [m]."""
@@ -119,6 +115,19 @@ class Pair:
     def overlap(self, a: int, b: int, x: np.ndarray, rotation: np.ndarray, slack: float) -> float:
         """Overlap that `contacts` does not see [m]."""
         return 0.0
+
+
+class _Few(Pair):
+    """Two shapes that touch at `MOST` places at most."""
+
+    def contacts(self, a: int, b: int, x: np.ndarray, rotation: np.ndarray, reach: float) -> Found:
+        s = self.shapes
+        count = self._find(a, b, x, rotation, reach, s.kinds, s.reals)
+        return s.kinds[:count].copy(), s.reals[:count].copy()
+
+    @abstractmethod
+    def _find(self, a: int, b: int, x: np.ndarray, rotation: np.ndarray, reach: float, kinds: Any, reals: Any) -> int:
+        """Write the touching features into `kinds` and `reals`; returns how many there are."""
 
 
 def _flight(m: Motion, i: int) -> tuple[float, np.ndarray, np.ndarray]:
@@ -132,7 +141,7 @@ def _place(m: Motion, i: int, t: float) -> tuple[np.ndarray, np.ndarray]:
     return series[0] + s * (series[1] + s * series[2]), series[1] + 2.0 * s * series[2]
 
 
-class _Balls(Pair):
+class _Balls(_Few):
     """Sphere and sphere."""
 
     single = True
@@ -182,7 +191,7 @@ class _BallBox(_Balls):
         return margin(kinds, reals, x[i], rotation[i], x[j], rotation[j], half[i], half[j])
 
 
-class _Boxes(Pair):
+class _Boxes(_Few):
     """Box and box."""
 
     bounded = True
@@ -210,7 +219,7 @@ class _Boxes(Pair):
         return gap_boxes(t, *_flight(m, a), half[a], *_flight(m, b), half[b])
 
 
-class _Grounded(Pair):
+class _Grounded(_Few):
     """Box or solid over a half-space."""
 
     def _find(self, a, b, x, rotation, reach, kinds, reals):
@@ -262,7 +271,7 @@ class _BallGround(_Grounded):
         return t + parabola(gap, rate, pull)
 
 
-class _CylinderGround(Pair):
+class _CylinderGround(_Few):
     """Cylinder over a half-space."""
 
     def _find(self, a, b, x, rotation, reach, kinds, reals):
@@ -286,7 +295,7 @@ class _CylinderGround(Pair):
                               self.shapes.bodies.normal[b])  # fmt: skip
 
 
-class _BallCylinder(Pair):
+class _BallCylinder(_Few):
     """Sphere and cylinder."""
 
     single = True
@@ -377,10 +386,9 @@ class _Solids(Pair):
     def _inside(self, a: int, b: int, x: np.ndarray, rotation: np.ndarray) -> float:
         """How deep a point of a is within b while the surfaces do not cross [m]."""
         from reference_impl.collide.field import distance_of
-        from reference_impl.state import BOX as box
 
         body: Body = self.shapes.scene.bodies[b]
-        if not isinstance(body.shape, Mesh) and self.shapes.bodies.shape[b] != box:
+        if not isinstance(body.shape, Mesh) and self.shapes.bodies.shape[b] != BOX:
             return 0.0
         point = rotation[b].T @ (x[a] + rotation[a] @ self.shapes.solid(a).points[0] - x[b])
         depth = -float(distance_of(body.shape)(point[None])[0])
