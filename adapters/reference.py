@@ -39,7 +39,7 @@ from mechanics.scene import Scene
 from mechanics.trajectory import State
 
 if TYPE_CHECKING:
-    from reference_impl.world import Held
+    from reference_impl.record import Held
 
 EFFECTS: tuple[type[Effect], ...] = (Gravity, Rotation, Drag, Force, Restitution, Friction, Resting)
 LINKS: tuple[type[Effect], ...] = (Rod, Hinge, Spring, Tether)
@@ -177,8 +177,8 @@ class Reference(Profile):
         }
 
     def _begin(self, scene: Scene, knobs: Settings) -> Any:
+        from reference_impl.settings import Settings as Choices
         from reference_impl.simulate import begin
-        from reference_impl.world import Settings as Choices
 
         choices = Choices(
             impact_law=str(knobs["impact_law"]),
@@ -199,7 +199,7 @@ class Reference(Profile):
             advance(world, duration)
 
     def audit(self, world: Any) -> dict[str, float]:
-        """What the engine knows of its own soundness; see `reference_impl.world.Audit`."""
+        """What the engine knows of its own soundness; see `reference_impl.audit.Audit`."""
         incidents = {f"{i.what} of {' and '.join(i.bodies)} at [s]": i.time for i in reversed(world.incidents)}
         counts = ("evaluations", "refinements", "brackets")  # of the gap, in search of times of contact
         return super().audit(world) | {name: float(getattr(world.search, name)) for name in counts} | incidents

@@ -17,7 +17,7 @@ from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
 from reference_impl.advancement import HIT, approach_plane
 from reference_impl.collide.primitives import corner
-from reference_impl.integrators import continued_flight, free_flight
+from reference_impl.flight import continued_flight, free_flight
 from reference_impl.kernels import apply, cross, kernel, matrix
 from reference_impl.state import ORDER, bodies_of, motion_of
 

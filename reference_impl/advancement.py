@@ -19,7 +19,7 @@ import math
 
 import numpy as np
 
-from reference_impl.integrators import attitude, order
+from reference_impl.flight import attitude, order
 from reference_impl.kernels import apply_transposed, cross, dot, kernel, norm
 
 CLEAR, HIT, TIRED = 0, 1, 2

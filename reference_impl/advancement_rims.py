@@ -16,7 +16,7 @@ import numpy as np
 
 from reference_impl.advancement import CLEAR, EVALUATIONS, HIT, TIRED, difference, room, root
 from reference_impl.advancement_boxes import relative
-from reference_impl.integrators import where
+from reference_impl.flight import where
 from reference_impl.kernels import angular_velocity, apply, apply_transposed, cross, dot, kernel, matrix, norm
 
 REFINEMENTS = 60  # Newton steps of `rim_root`, which converge quadratically and from one side

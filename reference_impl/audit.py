@@ -1,11 +1,13 @@
 """What is checked on every run: energy, and momentum at impacts.
 
-The audit never changes a motion; its figures travel with the result (`world.Audit`).
+The audit never changes a motion; its figures travel with the result (`Audit`).
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -35,6 +37,44 @@ AGAIN = 1e-6  # lasting contact that changes again within this time may chatter 
 KNOWN_WORK: tuple[type[Effect], ...] = (
     Gravity, Rotation, Drag, Force, Restitution, Friction, Resting, Rod, Hinge, Tether,
 )  # fmt: skip
+
+
+class Incident(NamedTuple):
+    """Something out of the ordinary, of which the result tells."""
+
+    time: float  # [s]
+    what: str  # "painleve" or "chatter"
+    bodies: tuple[str, ...]
+
+
+@dataclass
+class Audit:
+    """What the engine knows of its own soundness; every number is a worst case or a count."""
+
+    events: int = 0  # contacts handled
+    impacts: int = 0  # impulses exchanged
+    passes: int = 0  # most solves of one impact
+    steps: int = 0  # integration steps in lasting contact
+    rejected: int = 0  # steps that were repeated shorter
+    residual: float = 0.0  # certificate of the contact problems, relative
+    friction_residual: float = 0.0  # of those with friction, at impacts
+    gap: float = 0.0  # deepest overlap found at an event [m], <= 0
+    drift: float = 0.0  # worst gap of a joint after a step, relative to its size
+    energy_rise: float = 0.0  # of an impact or a return to rest [J]; only where no fixed body moves
+    step_rise: float = 0.0  # the same between two of these, with the loads' energy [J]; where their work is known
+    imbalance: float = 0.0  # momentum and angular momentum that an impact made or lost, relative to all there is
+    rests: int = 0  # bodies brought to proven rest
+    painleve: int = 0  # times that no contact forces existed and an impulse took their place
+    chatter: int = 0  # times that bodies whose contacts came and went too often were stopped
+    last_bounce: float = math.nan  # when the last accumulating bounce came to its end [s]
+
+    def certified(self, residual: float) -> None:
+        """Note the certificate of a contact problem."""
+        self.residual = max(self.residual, residual)
+
+    def certified_friction(self, residual: float) -> None:
+        """Note the certificate of a contact problem with friction."""
+        self.friction_residual = max(self.friction_residual, residual)
 
 
 def knows_work(scene: Scene) -> bool:

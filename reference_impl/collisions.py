@@ -24,8 +24,9 @@ from reference_impl.effects.impact import LAWS, Collision, in_turn
 from reference_impl.effects.resting import Island, Problem
 from reference_impl.errors import MissingEffect, Stalled
 from reference_impl.kernels import cross
+from reference_impl.record import Collided
 from reference_impl.rough import exchange_friction, rough_collision
-from reference_impl.world import Collided, World
+from reference_impl.world import World
 
 ACCUMULATION = 1e-3  # bounces of a body that would all happen within this time are skipped [time scale]
 LAST_ALONE = 4e-8  # a shorter bounce of a sphere on its own is the last; 2e-16 of its size high [time scale]

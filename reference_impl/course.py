@@ -13,7 +13,8 @@ import numpy as np
 
 from reference_impl.effects.resting import Island, Pose, Push, push, rounding
 from reference_impl.effects.sliding import Grip, grip_of, reversing, rough_push
-from reference_impl.integrators import RungeKutta8, driven_momentum, hermite, where
+from reference_impl.flight import driven_momentum, where
+from reference_impl.integrators import RungeKutta8, hermite
 from reference_impl.kernels import kernel, matrix, spin, spin_rate
 from reference_impl.rough import limits
 

@@ -21,8 +21,8 @@ from reference_impl.effects.resting import Pose
 from reference_impl.errors import Overlap
 from reference_impl.kernels import kernel, spin_rate
 from reference_impl.parts import Parts
+from reference_impl.record import Collided, Held
 from reference_impl.state import Bodies, bodies_of
-from reference_impl.world import Collided, Held
 
 START = 1e-9  # overlap at the start that is refused [smallest body size]
 

@@ -17,7 +17,7 @@ from reference_impl.contact_problem import NoSolution
 from reference_impl.course import Course
 from reference_impl.effects.resting import Pose
 from reference_impl.errors import Stalled
-from reference_impl.integrators import where
+from reference_impl.flight import where
 from reference_impl.rough import jam
 from reference_impl.world import World
 

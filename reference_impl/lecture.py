@@ -35,7 +35,7 @@ from reference_impl.effects.resting import Island, Problem, islands
 from reference_impl.errors import MissingEffect, Stalled, Unsupported
 from reference_impl.fixed_step import Stepped, pull_of, runge_kutta4, size_of
 from reference_impl.kernels import cross, kernel
-from reference_impl.world import Collided, Held
+from reference_impl.record import Collided, Held
 
 TOLERANCE = 1e-6  # overlap that counts as penetration [size of the smallest body]
 QUIET = 1e-9  # slower approach is none [speed scale]

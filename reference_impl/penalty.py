@@ -14,7 +14,7 @@ from reference_impl.assemble import PENALTIES
 from reference_impl.effects.penalty import GRAVITY, damping_ratios, push
 from reference_impl.errors import Stalled
 from reference_impl.fixed_step import Stepped, pull_of, runge_kutta4
-from reference_impl.world import Held
+from reference_impl.record import Held
 
 
 @dataclass

@@ -1,4 +1,4 @@
-"""The record of all impulses: rows of arrays that grow, read as a sequence of `Collided`."""
+"""What a result tells of contacts: lasting ones, and all impulses in rows of arrays that grow."""
 
 from __future__ import annotations
 
@@ -19,6 +19,17 @@ class Collided(NamedTuple):
     point: tuple[float, float, float]  # [m]
     normal: tuple[float, float, float]  # unit, from b to a
     impulse: float  # on a along the normal [N s]
+
+
+class Held(NamedTuple):
+    """A lasting contact and its force."""
+
+    a: int
+    b: int
+    point: tuple[float, float, float]  # [m]
+    normal: tuple[float, float, float]  # unit, from b to a
+    force: float  # on a along the normal [N]
+    friction: tuple[float, float, float] = (0.0, 0.0, 0.0)  # on a along the surface [N]
 
 
 class Record(Sequence[Collided]):

@@ -18,8 +18,9 @@ from reference_impl.contact_problem import NoSolution
 from reference_impl.course import Course
 from reference_impl.effects.resting import Island, Pose, Problem, Push, islands, nearest, push, rounding
 from reference_impl.errors import MissingEffect, Stalled
+from reference_impl.record import Held
 from reference_impl.rough import jam, rough_forces
-from reference_impl.world import FLYING, HELD, STILL, Held, World
+from reference_impl.world import FLYING, HELD, STILL, World
 
 RETURN = 5e-6  # a contact that is back within this time never parted [time scale]
 RETURN_ALONE = 1e-8  # the same for a sphere with one contact

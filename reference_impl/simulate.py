@@ -28,9 +28,10 @@ from reference_impl.collide.detect import COARSE, Detector, Search, kinematics, 
 from reference_impl.effects import tether
 from reference_impl.errors import Overlap, Stalled
 from reference_impl.links import Links
+from reference_impl.settings import Settings
 from reference_impl.settle import settle
 from reference_impl.state import Bodies, bodies_of, motion_of
-from reference_impl.world import HELD, Scales, Settings, World
+from reference_impl.world import HELD, Scales, World
 
 TOUCH = 1e-9  # features closer than this touch [smallest body size]
 QUIET = 1e-12  # slower approach is none [speed scale]

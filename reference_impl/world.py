@@ -11,91 +11,24 @@ import numpy as np
 from mechanics.effects import PairEffect
 from mechanics.scene import Scene
 from mechanics.trajectory import State
-from reference_impl.audit import knows_work
+from reference_impl.audit import Audit, Incident, knows_work
 from reference_impl.broad_phase import MANY, keep_apart
 from reference_impl.collide.detect import Contacts, Detector, Search
-from reference_impl.contact_problem import SOLVERS, Kept
-from reference_impl.effects.impact import LAWS
-from reference_impl.effects.phases import HYPOTHESES
+from reference_impl.contact_problem import Kept
 from reference_impl.errors import Stalled, Unsupported
-from reference_impl.friction_problem import MODELS
-from reference_impl.integrators import carry, driven_flight, driven_momentum, fly_on, free_flight, spins
+from reference_impl.flight import carry, driven_flight, driven_momentum, fly_on, free_flight, spins
 from reference_impl.links import Links
 from reference_impl.parts import Parts
-from reference_impl.record import Collided, Record
+from reference_impl.record import Held, Record
+from reference_impl.settings import Settings
 from reference_impl.state import Bodies, Motion
-from reference_impl.time_of_contact import METHODS
 
 if TYPE_CHECKING:
     from reference_impl.bounces.flock import Flock
     from reference_impl.course import Course
 
-__all__ = ["FLYING", "HELD", "STILL", "Audit", "Collided", "Held", "Incident", "Record", "Scales", "Settings", "World"]
-
 FLYING, HELD, STILL = 0, 1, 2  # free; under contact forces; at rest for good until something touches it
 HORIZON = 10.0  # how far ahead a pair is searched for a contact at once [time scale, or what lies behind]
-
-
-@dataclass(frozen=True)
-class Settings:
-    """What a user may choose.
-
-    Attributes
-    ----------
-    impact_law : str
-        One of `effects.impact.LAWS`.
-    restitution : str
-        What the coefficient of restitution means where friction acts: "newton" (of normal velocities), "poisson" (of
-        normal impulses) or "energetic" (of the work of the normal impulse, squared; Stronge).  Without friction they
-        are the same.  The last two follow one contact at a time through its impact; see `effects.impact.in_turn`.
-    friction : str
-        Model of the cone of friction, one of `friction_problem.MODELS`.
-    sides : int
-        Of the polygon in place of the circle where friction is "pyramid".
-    time_of_contact : str
-        One of `time_of_contact.METHODS`: "advancement" (conservative, second order), or "bisection",
-        "illinois" or "newton" in a bracket that it opens.
-    solver : str
-        First solver of contact problems, one of `contact_problem.SOLVERS`.
-    tolerance : float
-        Relative accuracy of contact times (gap over body size) and of the motion in lasting contact.
-    events : int
-        Budget: contacts handled in one call of `advance`.
-
-    Raises
-    ------
-    ValueError
-        For an unknown name or a number out of range.
-    """
-
-    impact_law: str = "propagation"
-    restitution: str = "newton"
-    friction: str = "exact"
-    sides: int = 4
-    time_of_contact: str = "advancement"
-    solver: str = "auto"
-    tolerance: float = 1e-12
-    events: int = 1_000_000
-
-    def __post_init__(self) -> None:
-        choices = (
-            ("impact_law", tuple(LAWS)),
-            ("restitution", ("newton", *HYPOTHESES)),
-            ("friction", MODELS),
-            ("time_of_contact", METHODS),
-            ("solver", tuple(SOLVERS)),
-        )
-        for name, allowed in choices:
-            if getattr(self, name) not in allowed:
-                raise ValueError(f"{name} = {getattr(self, name)!r}; allowed: {', '.join(allowed)}")
-        if not 1e-13 <= self.tolerance <= 1e-2:
-            raise ValueError(f"tolerance = {self.tolerance!r}; allowed: a number from 1e-13 to 1e-2")
-        if self.sides < 4 or self.sides % 2:
-            raise ValueError(f"sides = {self.sides!r}; allowed: an even number from 4 on")
-        if self.restitution != "newton" and self.friction != "exact":
-            raise ValueError(f"friction = {self.friction!r}; allowed: exact where restitution is {self.restitution!r}")
-        if self.events < 1:
-            raise ValueError(f"events = {self.events!r}; allowed: a whole number > 0")
 
 
 class Scales(NamedTuple):
@@ -104,55 +37,6 @@ class Scales(NamedTuple):
     length: float  # size of the smallest moving body, or what rounding of coordinates allows [m]
     speed: float  # of falling through that size, or of the fastest body at the start [m/s]
     time: float  # [s]
-
-
-class Held(NamedTuple):
-    """A lasting contact and its force."""
-
-    a: int
-    b: int
-    point: tuple[float, float, float]  # [m]
-    normal: tuple[float, float, float]  # unit, from b to a
-    force: float  # on a along the normal [N]
-    friction: tuple[float, float, float] = (0.0, 0.0, 0.0)  # on a along the surface [N]
-
-
-class Incident(NamedTuple):
-    """Something out of the ordinary, of which the result tells."""
-
-    time: float  # [s]
-    what: str  # "painleve" or "chatter"
-    bodies: tuple[str, ...]
-
-
-@dataclass
-class Audit:
-    """What the engine knows of its own soundness; every number is a worst case or a count."""
-
-    events: int = 0  # contacts handled
-    impacts: int = 0  # impulses exchanged
-    passes: int = 0  # most solves of one impact
-    steps: int = 0  # integration steps in lasting contact
-    rejected: int = 0  # steps that were repeated shorter
-    residual: float = 0.0  # certificate of the contact problems, relative
-    friction_residual: float = 0.0  # of those with friction, at impacts
-    gap: float = 0.0  # deepest overlap found at an event [m], <= 0
-    drift: float = 0.0  # worst gap of a joint after a step, relative to its size
-    energy_rise: float = 0.0  # of an impact or a return to rest [J]; only where no fixed body moves
-    step_rise: float = 0.0  # the same between two of these, with the loads' energy [J]; where their work is known
-    imbalance: float = 0.0  # momentum and angular momentum that an impact made or lost, relative to all there is
-    rests: int = 0  # bodies brought to proven rest
-    painleve: int = 0  # times that no contact forces existed and an impulse took their place
-    chatter: int = 0  # times that bodies whose contacts came and went too often were stopped
-    last_bounce: float = math.nan  # when the last accumulating bounce came to its end [s]
-
-    def certified(self, residual: float) -> None:
-        """Note the certificate of a contact problem."""
-        self.residual = max(self.residual, residual)
-
-    def certified_friction(self, residual: float) -> None:
-        """Note the certificate of a contact problem with friction."""
-        self.friction_residual = max(self.friction_residual, residual)
 
 
 @dataclass

@@ -26,7 +26,7 @@ from reference_impl.advancement import CLEAR, EVALUATIONS, HIT, TIRED
 from reference_impl.collide.features import CORD, REAL, WHOLE
 from reference_impl.collide.pairs import Found, Limits, Pair
 from reference_impl.errors import Unsupported
-from reference_impl.integrators import where
+from reference_impl.flight import where
 from reference_impl.kernels import angular_velocity, apply, cross, dot, kernel, matrix, norm
 from reference_impl.parts import Parts
 from reference_impl.state import Motion

@@ -14,8 +14,9 @@ from mechanics.rotation import about, normalised
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
 from reference_impl import audit
+from reference_impl.settings import Settings
 from reference_impl.simulate import advance, begin
-from reference_impl.world import STILL, Settings
+from reference_impl.world import STILL
 
 G = 9.81
 FLOOR = Body("floor", HalfSpace())

@@ -10,8 +10,8 @@ from mechanics.rotation import normalised
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
 from reference_impl.errors import MissingEffect, Stalled
+from reference_impl.settings import Settings
 from reference_impl.simulate import advance, begin, simulate
-from reference_impl.world import Settings
 
 
 def room(side):

@@ -12,8 +12,9 @@ from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
 from reference_impl import simulate as loop
 from reference_impl.errors import Stalled
+from reference_impl.settings import Settings
 from reference_impl.simulate import advance, begin, simulate
-from reference_impl.world import STILL, Settings
+from reference_impl.world import STILL
 
 FLOOR = Body("floor", HalfSpace())
 ALL = (Gravity(), Rotation(), Restitution(0.5), Friction(0.3), Resting(), Drag(0.0))

@@ -8,8 +8,9 @@ import pytest
 from mechanics.effects import Drag, Gravity, Resting, Restitution, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
+from reference_impl.settings import Settings
 from reference_impl.simulate import advance, begin
-from reference_impl.world import STILL, Settings
+from reference_impl.world import STILL
 
 FLOOR = Body("floor", HalfSpace())
 

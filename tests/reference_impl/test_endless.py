@@ -9,8 +9,8 @@ from mechanics.effects import Force, Gravity, Resting, Restitution, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
 from reference_impl.effects.impact import TURNS, Collision, sequential
+from reference_impl.settings import Settings
 from reference_impl.simulate import advance, begin
-from reference_impl.world import Settings
 
 FLOOR = Body("floor", HalfSpace())
 

@@ -11,8 +11,8 @@ from mechanics.effects import Friction, Resting, Restitution, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
 from reference_impl.audit import kinetic_energy
+from reference_impl.settings import Settings
 from reference_impl.simulate import advance, begin
-from reference_impl.world import Settings
 
 FLOOR = Body("floor", HalfSpace())
 ROUGH_LAWS = ("propagation", "sequential", "simultaneous", "reflections")  # poisson is refused with friction

@@ -13,8 +13,8 @@ from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
 from reference_impl.effects.impact import LAWS, Collision, normal_impulse
 from reference_impl.errors import MissingEffect, Overlap
+from reference_impl.settings import Settings
 from reference_impl.simulate import advance, begin, simulate
-from reference_impl.world import Settings
 
 FLOOR = Body("floor", HalfSpace())
 BALL = Body("ball", Sphere(0.1), 1.0, (0.0, 0.0, 1.1))

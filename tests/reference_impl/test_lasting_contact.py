@@ -12,8 +12,9 @@ from mechanics.rotation import about, matrix, normalised
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, Cylinder, HalfSpace, Sphere
 from reference_impl.errors import MissingEffect, Unsupported
+from reference_impl.settings import Settings
 from reference_impl.simulate import advance, begin, simulate
-from reference_impl.world import STILL, Settings
+from reference_impl.world import STILL
 
 FLOOR = Body("floor", HalfSpace())
 SLAB = Body("floor", Box((8.0, 8.0, 1.0)), position=(0.0, 0.0, -0.5))

@@ -15,8 +15,8 @@ from mechanics.scene import Body, Scene
 from mechanics.shapes import HalfSpace, Sphere
 from reference_impl.effects.impact import LAWS, Collision
 from reference_impl.errors import Unsupported
+from reference_impl.settings import Settings
 from reference_impl.simulate import advance, begin
-from reference_impl.world import Settings
 
 ONE_BY_ONE = ("propagation", "sequential")
 AT_ONCE = ("simultaneous", "poisson")

@@ -14,8 +14,8 @@ from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, Cylinder, HalfSpace, Sphere
 from mechanics.trajectory import Trajectory
 from reference_impl.errors import Stalled
+from reference_impl.settings import Settings
 from reference_impl.simulate import advance, begin
-from reference_impl.world import Settings
 
 FLOOR = Body("floor", HalfSpace())
 TABLE = Body("table", Box((1.0, 1.0, 0.2)))

@@ -16,8 +16,8 @@ from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
 from reference_impl.effects.phases import ENERGETIC, POISSON, strike
 from reference_impl.friction_problem import Rough, solve
+from reference_impl.settings import Settings
 from reference_impl.simulate import advance, begin
-from reference_impl.world import Settings
 
 FLOOR = Body("floor", HalfSpace())
 SLIDES, STICKS, REVERSES = "slides", "slides, sticks", "slides, reverses"

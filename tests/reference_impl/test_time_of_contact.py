@@ -12,9 +12,9 @@ from mechanics.rotation import matrix, normalised
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
 from reference_impl.advancement import gap_plane
+from reference_impl.settings import Settings
 from reference_impl.simulate import advance, begin, simulate
 from reference_impl.time_of_contact import BRACKETED, METHODS, Bracket, bisection, parabola, spheres_meet
-from reference_impl.world import Settings
 
 FLOOR = Body("floor", HalfSpace())
 
