@@ -1,5 +1,6 @@
 """The command line: exit codes, messages that help, output for people and for programs."""
 
+import functools
 import json
 import os
 import signal
@@ -316,8 +317,10 @@ def test_the_doctor_examines_the_machine(command, monkeypatch):
 def test_an_interrupt_ends_workers_keeps_the_journal_and_exits_130(toy_file, tmp_path, sent):
     words = ["run", "-s", "projectile", "-s", "free-fall[]", "-e", "toy", "-e", "toy:faulty", "--set", "fault=hang",
              "--plugin", str(toy_file), "--out", "run", "--progress", "plain", "--timeout", "60s"]  # fmt: skip
+    # a test run in the background of a script ignores interrupts, and what it starts would inherit that
+    heed = functools.partial(signal.signal, sent, signal.SIG_DFL)
     process = subprocess.Popen(
-        [sys.executable, "-m", "plumbline", *words], cwd=tmp_path, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-m", "plumbline", *words], cwd=tmp_path, stderr=subprocess.PIPE, text=True, preexec_fn=heed
     )
     journal = tmp_path / "run" / "cells.jsonl"
     deadline = time.monotonic() + 60.0
