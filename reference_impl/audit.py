@@ -62,7 +62,9 @@ class Audit:
     drift: float = 0.0  # worst gap of a joint after a step, relative to its size
     energy_rise: float = 0.0  # of an impact or a return to rest [J]; only where no fixed body moves
     step_rise: float = 0.0  # the same between two of these, with the loads' energy [J]; where their work is known
-    imbalance: float = 0.0  # momentum and angular momentum that an impact made or lost, relative to all there is
+    # momentum and angular momentum that an impact, or a stretch of them along a line, made or lost, relative to all
+    # there is
+    imbalance: float = 0.0
     rests: int = 0  # bodies brought to proven rest
     painleve: int = 0  # times that no contact forces existed and an impulse took their place
     chatter: int = 0  # times that bodies whose contacts came and went too often were stopped

@@ -9,7 +9,7 @@ import numpy as np
 
 from mechanics.effects import Drag, Force, Friction, Gravity, PairEffect, Resting, Restitution, Rotation
 from reference_impl.bounces import loop, queue
-from reference_impl.bounces.line import DEEP, GAIN, PACE, PLACE, TIME, Line, bounce_in_line, line_of
+from reference_impl.bounces.line import DEEP, GAIN, LOST, PACE, PLACE, TIME, Line, bounce_in_line, line_of
 from reference_impl.collisions import LAST_ALONE
 from reference_impl.errors import Stalled
 from reference_impl.parts import Load
@@ -171,6 +171,7 @@ class Flock:
         if self.time != world.t:
             self.fresh[:] = True
         f[loop.NOW], f[loop.NOW_REST], f[loop.DEEPEST], f[loop.RISE] = world.t, 0.0, audit.gap, audit.energy_rise
+        f[loop.IMBALANCE] = audit.imbalance
         self.counts[:] = 0
         if self.fresh.any():
             self._take(world)
@@ -188,7 +189,7 @@ class Flock:
             turns += TURNS
             if turns > CROSSINGS * (world.settings.events + TURNS):
                 raise Stalled("bodies in flight change cells for ever", float(f[loop.NOW]))
-        self._report(world, *self.counts[:2].tolist(), float(f[loop.DEEPEST]), float(f[loop.RISE]))
+        self._report(world, *self.counts[:2].tolist(), *f[[loop.DEEPEST, loop.RISE, loop.IMBALANCE]].tolist())
         world.foreseen[:] = self.real[:, queue.FORESEEN]
         world.search.evaluations += int(self.counts[loop.SEARCHES])
         met = () if end != loop.MEETING else (int(self.counts[loop.FIRST]), int(self.counts[loop.SECOND]))
@@ -200,7 +201,8 @@ class Flock:
         audit, record, m = world.audit, world.events, world.motion
         group = self.whole[line.who, queue.GROUP]
         e, search = self.restitution[group[:-1], group[1:]], world.search
-        clock = np.array([world.t, 0.0, search.speed, line.coarse, search.parting, audit.gap, audit.energy_rise])
+        clock = np.array([world.t, 0.0, search.speed, line.coarse, search.parting, audit.gap, audit.energy_rise,
+                          audit.imbalance])  # fmt: skip
         counts, end = np.array([0, len(record), 0]), loop.PAUSED
         while end == loop.FULL or (end == loop.PAUSED and counts[0] < events):
             if end == loop.FULL:
@@ -209,7 +211,7 @@ class Flock:
                 line.row, line.gaps, e, line.who, line.axis, line.across, record.ends, record.numbers, clock, counts,
                 limit, events, TURNS,
             )  # fmt: skip
-        self._report(world, int(counts[0]), int(counts[1]), clock[DEEP], clock[GAIN])
+        self._report(world, int(counts[0]), int(counts[1]), *clock[[DEEP, GAIN, LOST]].tolist())
         met = () if end != loop.MEETING else tuple(line.who[counts[2] : counts[2] + 2].tolist())
         if counts[0]:
             world.carry(float(clock[TIME]))
@@ -219,17 +221,17 @@ class Flock:
                 world.launch(i)
         return float(clock[TIME]), met, bool(counts[0])
 
-    def _report(self, world: World, events: int, recorded: int, deepest: float, rise: float) -> None:
+    def _report(self, world: World, events: int, recorded: int, deepest: float, rise: float, imbalance: float) -> None:
         """What was done, on record and in the audit."""
         audit = world.audit
         world.events.filled(recorded)
         audit.events += events
         audit.impacts += events
-        audit.gap = float(deepest)
+        audit.gap, audit.imbalance = deepest, imbalance
         if events:
             audit.passes = max(audit.passes, 1)
         if not world.moving:
-            audit.energy_rise = float(rise)
+            audit.energy_rise = rise
 
 
 def _more_than_pulls(load: Load) -> bool:

@@ -25,8 +25,8 @@ LONGEST = 500  # bodies in a line; of longer ones the general loop, whose cost d
 PLACE, PACE, MASS, SIZE = 0, 1, 2, 3  # coordinate, velocity, inverse mass, radius
 ROW = 4
 # columns of `clock`
-TIME, REST, NEED, CLOSE, PARTING, DEEP, GAIN = range(7)  # time reached in two parts; see `flock`
-CLOCK = 7
+TIME, REST, NEED, CLOSE, PARTING, DEEP, GAIN, LOST = range(8)  # time reached in two parts; see `flock`
+CLOCK = 8
 
 
 @dataclass
@@ -116,7 +116,8 @@ def bounce_in_line(row, gaps, e, who, axis, across, ends, numbers, clock, counts
         Record of impulses, as in `record.Record`; without room (no rows at all) nothing is recorded.
     clock, counts : arrays
         `clock`: time reached in two parts; slower approach is none; gaps below are none; slower parting is none;
-        deepest overlap; largest gain of energy.  `counts`: events, rows recorded, place of the meeting.
+        deepest overlap; largest gain of energy; momentum lost, see `lost`.  `counts`: events, rows recorded, place
+        of the meeting.
     events, turns : int
         Budgets.
     """
@@ -128,6 +129,7 @@ def bounce_in_line(row, gaps, e, who, axis, across, ends, numbers, clock, counts
     answer = np.empty(n - 1)  # impulse per speed of approach: one division less in every turn
     for k in range(n - 1):
         answer[k] = (1.0 + e[k]) / (row[k, MASS] + row[k + 1, MASS])
+    exchanged, pace = np.zeros(n + 1), row[:, PACE].copy()  # across each gap since the start, and how fast all were
     for _ in range(turns):
         least, a = np.inf, 0
         for k in range(n - 1):
@@ -167,13 +169,31 @@ def bounce_in_line(row, gaps, e, who, axis, across, ends, numbers, clock, counts
             recorded += 1
         done += 1
         deep = min(deep, gaps[a])
+        exchanged[b] += p
         row[a, PACE] -= p * row[a, MASS]
         row[b, PACE] += p * row[b, MASS]
         # the impulse times the mean relative velocity, which at e = 1 only rounding makes other than zero
         gain = max(gain, 0.5 * p * ((row[b, PACE] - row[a, PACE]) - closing))
     clock[TIME], clock[REST], clock[DEEP], clock[GAIN] = time, rest, deep, gain
+    clock[LOST] = max(clock[LOST], lost(row, pace, exchanged))
     counts[0], counts[1] = done, recorded
     return end
+
+
+@kernel
+def lost(row, pace, exchanged):
+    """How far the bodies are from having changed their momentum since they had `pace` by what they `exchanged`.
+
+    Relative to what they had and exchanged; across the gap below body k it was exchanged[k].
+    """
+    off = there = 0.0
+    for k in range(len(row)):
+        there += exchanged[k]
+        if row[k, MASS] > 0.0:
+            gained = (row[k, PACE] - pace[k]) / row[k, MASS]
+            off += abs(gained - (exchanged[k] - exchanged[k + 1]))
+            there += abs(pace[k]) / row[k, MASS]
+    return off / there if there > 0.0 else 0.0
 
 
 @kernel

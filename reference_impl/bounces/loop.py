@@ -61,8 +61,8 @@ from reference_impl.time_of_contact import parabola, spheres_meet
 DONE, MEETING, PAUSED, FULL = 0, 1, 2, 3
 
 # columns of `figures`
-NOW, NOW_REST, CELL_SIZE, QUIET, TOLERANCE, PARTING, MOMENT, LAST, SCALE, DEEPEST, RISE = range(11)
-FIGURES = 11
+NOW, NOW_REST, CELL_SIZE, QUIET, TOLERANCE, PARTING, MOMENT, LAST, SCALE, DEEPEST, RISE, IMBALANCE = range(12)
+FIGURES = 12
 # columns of `counts`
 EVENTS, RECORDED, SEARCHES, FIRST, SECOND = range(5)
 COUNTS = 5
@@ -272,9 +272,53 @@ def _energy(real, i, state):
     return 0.5 * (square / real[i, LIGHT] + real[i, TURN] * spin)
 
 
+@inlined
+def _remember(real, i, state, was):
+    """Keep the velocity and the angular momentum of body i in `was` (6,)."""
+    for c in range(3):
+        was[c], was[3 + c] = state[3 + c], real[i, L + c]
+
+
+@inlined
+def imbalance(real, a, b, at_a, at_b, n, impulse, was):
+    """How far a bounce is from keeping momentum, and angular momentum about the contact, relative to what there is.
+
+    As `audit.imbalance`, but sizes are sums over the components.  `impulse` (3,) is that on a, to which a fixed body
+    answers; `was` (2, 6) is what was remembered of a and b.
+    """
+    fixed, other = real[a, LIGHT] == 0.0, real[b, LIGHT] == 0.0
+    mass_a, mass_b = 0.0 if fixed else 1.0 / real[a, LIGHT], 0.0 if other else 1.0 / real[b, LIGHT]
+    lost = there = 0.0
+    for c in range(3):
+        off = mass_a * (at_a[3 + c] - was[0, c]) + mass_b * (at_b[3 + c] - was[1, c])
+        if fixed:
+            off += impulse[c]
+        elif other:
+            off -= impulse[c]
+        lost += abs(off)
+        there += mass_a * (abs(at_a[3 + c]) + abs(was[0, c])) + mass_b * (abs(at_b[3 + c]) + abs(was[1, c]))
+    worst = lost / there
+    if not ((fixed or real[a, TURN] > 0.0) and (other or real[b, TURN] > 0.0)):
+        return worst
+    mass_a *= real[a, RADIUS]
+    mass_b *= real[b, RADIUS]
+    lost = there = 0.0
+    for c in range(3):
+        d, e = (c + 1) % 3, (c + 2) % 3
+        off = (real[a, L + c] - was[0, 3 + c]) + (real[b, L + c] - was[1, 3 + c])
+        off += n[d] * (mass_a * (at_a[3 + e] - was[0, e]) - mass_b * (at_b[3 + e] - was[1, e]))
+        off -= n[e] * (mass_a * (at_a[3 + d] - was[0, d]) - mass_b * (at_b[3 + d] - was[1, d]))
+        lost += abs(off)
+        there += mass_a * (abs(at_a[3 + c]) + abs(was[0, c])) + mass_b * (abs(at_b[3 + c]) + abs(was[1, c]))
+        there += abs(was[0, 3 + c]) + abs(was[1, 3 + c])
+    return max(worst, lost / there)
+
+
 @kernel
-def _rub(real, a, b, n, at_a, at_b, rate, p, mu):
+def _rub(real, a, b, n, at_a, at_b, rate, p, mu, impulse):
     """Add the tangential impulse of two spheres whose normal impulse is p: it stops the slip, or is mu p.
+
+    It is added to `impulse`, too.
 
     At a sphere the tangential mobility 1/m + r²/I is the same in every direction, and normal and tangential
     impulses do not act on each other.
@@ -299,6 +343,7 @@ def _rub(real, a, b, n, at_a, at_b, rate, p, mu):
         d, e = (c + 1) % 3, (c + 2) % 3
         at_a[3 + c] += real[a, LIGHT] * slip[c]
         at_b[3 + c] -= real[b, LIGHT] * slip[c]
+        impulse[c] += slip[c]
         lever = n[d] * slip[e] - n[e] * slip[d]
         for i in (a, b):
             if real[i, TURN] > 0.0:
@@ -361,6 +406,7 @@ def bounces(turning: bool, rough: bool) -> Any:
         figures, counts, limit, events, turns
     ):  # fmt: skip
         quiet = figures[QUIET]
+        impulse, was = work[0], np.empty((2, 6))
         for _ in range(turns):
             i = tree[1]
             hi, lo = real[i, DUE], real[i, DUE_REST]
@@ -410,9 +456,13 @@ def bounces(turning: bool, rough: bool) -> Any:
                     if real[k, TURN] > 0.0:
                         _turn(real, k, (hi - real[k, BEGIN]) + (lo - real[k, BEGIN_REST]))
             p = -(1.0 + e) * rate / (real[a, LIGHT] + real[b, LIGHT])
+            _remember(real, a, at_a, was[0])
+            _remember(real, b, at_b, was[1])
+            for c in range(3):
+                impulse[c] = p * n[c]
             if rough:
                 # before the normal impulse, which does not change the slip
-                _rub(real, a, b, n, at_a, at_b, rate, p, friction[whole[a, GROUP], whole[b, GROUP]])
+                _rub(real, a, b, n, at_a, at_b, rate, p, friction[whole[a, GROUP], whole[b, GROUP]], impulse)
             row = counts[RECORDED]
             ends[row, 0], ends[row, 1] = a, b
             numbers[row, 0], numbers[row, 7] = hi + lo, p
@@ -425,6 +475,8 @@ def bounces(turning: bool, rough: bool) -> Any:
             counts[EVENTS] += 1
             figures[DEEPEST] = min(figures[DEEPEST], gap)
             figures[RISE] = max(figures[RISE], _energy(real, a, at_a) + _energy(real, b, at_b) - before)
+            off = imbalance(real, a, b, at_a, at_b, n, impulse, was)
+            figures[IMBALANCE] = max(figures[IMBALANCE], off)
             # both fly on; each is looked at where the other has its new motion
             if real[i, LIGHT] > 0.0:
                 _begin_again(real, whole, i, mine, hi, lo)

@@ -14,6 +14,7 @@ from mechanics.rotation import about, normalised
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
 from reference_impl import audit
+from reference_impl.bounces import line, loop, queue
 from reference_impl.settings import Settings
 from reference_impl.simulate import advance, begin
 from reference_impl.world import STILL
@@ -83,6 +84,69 @@ def test_momentum_that_an_impact_loses_is_seen():
         impulses = np.array([[-4.0 / 3.0, 0.0, 0.0]])
         found = audit.imbalance(world, members, kinds, point, impulses, v0, momentum)
         assert found <= 1e-16 if expected == 0.0 else found > expected
+
+
+def rough_gas(mu: float, *more) -> Scene:
+    """Twelve spinning spheres of four masses between six walls and round a fixed sphere, no two at the same height."""
+    rng = np.random.default_rng(8)
+    walls = [Body(f"wall {k}", HalfSpace(tuple(n)), position=tuple(-np.array(n)))
+             for k, n in enumerate(np.vstack([np.eye(3), -np.eye(3)]).tolist())]  # fmt: skip
+    places = [0.6 * np.array(p) for p in np.ndindex(3, 2, 2)]
+    balls = [Body(f"ball {k}", Sphere(0.12 + 0.01 * (k % 3)), 1.0 + k % 4,
+                  tuple((p - (0.6, 0.5, 0.4) + 0.02 * rng.normal(size=3)).tolist()),
+                  velocity=tuple(rng.normal(size=3).tolist()), angular_velocity=tuple(rng.normal(0, 9, 3).tolist()))
+             for k, p in enumerate(places)]  # fmt: skip
+    post = Body("post", Sphere(0.1), position=(0.0, -0.2, 0.75))
+    return Scene((*walls, post, *balls), (Restitution(0.9), Rotation(), Friction(mu), *more))
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.4])
+def test_isolated_bounces_keep_momentum_to_rounding(mu):
+    """Some flops of 1e-16 each for every impact, at most; and never nothing at all, which would be no measurement."""
+    world = begin(rough_gas(mu, Gravity()))
+    advance(world, 1.0)
+    assert world.flock is not None
+    assert len(world.events) > 30
+    assert 0.0 < world.audit.imbalance <= 1e-15
+
+
+def test_balls_on_a_line_keep_momentum_to_rounding():
+    """Over a stretch of 3141 impacts each rounds by some 1e-16 of what all of them exchange, with either sign."""
+    balls = (Body("small", Sphere(0.1), 1.0, (1.0, 0.0, 0.0)),
+             Body("great", Sphere(0.1), 1e6, (2.0, 0.0, 0.0), velocity=(-1.0, 0.0, 0.0)))  # fmt: skip
+    world = begin(Scene((Body("wall", HalfSpace((1.0, 0.0, 0.0))), *balls), (Restitution(1.0),)))
+    advance(world, 10.0)
+    assert len(world.events) == 3141
+    assert 0.0 < world.audit.imbalance <= 3141**0.5 * 1e-16 * 3.0
+
+
+def bounced(push, twist):
+    """What `loop.imbalance` says of two spheres that got the impulses ±j of 1 N s along z and, wrongly, more."""
+    real, whole = np.zeros((2, queue.REALS)), np.array([0.0, 0.0, 1.0])
+    real[:, queue.LIGHT], real[:, queue.RADIUS], real[:, queue.TURN] = (1.0, 0.5), 0.5, 10.0
+    was = np.array([[1.0, 2.0, -1.0, 0.1, 0.0, 0.2], [0.0, 1.0, 0.0, 0.0, 0.3, 0.0]])
+    real[:, queue.L : queue.L + 3] = was[:, 3:] + np.array([[0.0, 0.0, 0.0], twist])
+    at = np.zeros((2, 6))
+    at[:, 3:] = was[:, :3] + np.array([whole, -0.5 * whole]) + np.array([[0.0, 0.0, 0.0], push])
+    return loop.imbalance(real, 0, 1, at[0], at[1], whole, whole, was)
+
+
+def test_momentum_that_an_isolated_bounce_loses_is_seen():
+    nothing = (0.0, 0.0, 0.0)
+    assert bounced(nothing, nothing) <= 1e-16
+    # 2 kg times what was added, of 12 kg m/s before and after; of 6 kg m2/s about the contact and 0.6 of spin
+    assert bounced((0.0, 0.0, 0.01), nothing) == pytest.approx(0.02 / 11.98, rel=1e-12)
+    assert bounced(nothing, (0.0, 0.01, 0.0)) == pytest.approx(0.01 / 6.6, rel=1e-12)
+
+
+def test_momentum_that_is_lost_on_a_line_is_seen():
+    """Bodies of 1 and 2 kg and a wall, with 3 and 1 N s between them; then the first body is a little off."""
+    row, pace = np.zeros((3, line.ROW)), np.array([5.0, 0.0, 0.0])
+    row[:, line.MASS], row[:, line.PACE] = (1.0, 0.5, 0.0), (2.0, 1.0, 0.0)
+    exchanged = np.array([0.0, 3.0, 1.0, 0.0])
+    assert line.lost(row, pace, exchanged) == 0.0
+    row[0, line.PACE] += 0.09
+    assert line.lost(row, pace, exchanged) == pytest.approx(0.09 / 9.0, rel=1e-14)
 
 
 def test_bodies_that_come_to_rest_again_are_counted_once():
