@@ -32,6 +32,7 @@ ACCUMULATION = 1e-3  # bounces of a body that would all happen within this time 
 LAST_ALONE = 4e-8  # a shorter bounce of a sphere on its own is the last; 2e-16 of its size high [time scale]
 SAME_REST = 1e-10  # times of rest foreseen at two bounces that differ by less are the same [time scale, or the time]
 NOISE = 1e-14  # rounding of a gap [position]
+GRAIN = 2.0**-52  # rounding of a coordinate, below which there is no bounce to be seen [position]
 
 
 def alone(g: np.ndarray) -> bool:
@@ -124,14 +125,16 @@ def _alone(world: World, body: int, u: np.ndarray, closing: float, e: float, gap
         return np.full(1, e)
     bounce = 2.0 * e * -float(u[0]) / closing
     rest = world.t + bounce / (1.0 - e)
+    away = float(np.abs(world.motion.x[body]).max())
     # a gap that is off by d shifts the speed of the bounce by a d / u, and so the time of rest by d / u (1 - e)
-    noise = NOISE * float(np.abs(world.motion.x[body]).max()) / (-float(u[0]) * (1.0 - e))
+    noise = NOISE * away / (-float(u[0]) * (1.0 - e))
     same = SAME_REST * max(world.scales.time, rest) + noise
     if not abs(rest - world.foreseen[body]) <= same:  # NaN: foreseen for the first time
         world.foreseen[body] = rest
     # slower than twice what counts as parting the contact would seem to last, with its last impulses lost
     short = bounce < LAST_ALONE * world.scales.time or -e * float(u[0]) <= 2.0 * world.search.parting
-    if not short and not _unseen(e * u, np.full(1, gap), np.full(1, closing))[0]:
+    # found a rounding too late it arrives as fast again as it left, for ever
+    if not short and not _unseen(e * u, np.full(1, min(gap, -GRAIN * away)), np.full(1, closing))[0]:
         return np.full(1, e)
     world.audit.last_bounce = float(world.foreseen[body])
     return np.zeros(1)

@@ -50,16 +50,22 @@ def embark(world: World, limit: float) -> None:
 def _step(world: World, course: Course, limit: float) -> None:
     start, method, y = course.begin, course.method, course.y
     scale = course.scale()
-    first = course(start, y)
     h = min(float(world.pace[course.members].min()), LONGEST * world.scales.time)
+    first: np.ndarray | None = None
     while True:
         if h < SHORTEST * world.scales.time:
             names = ", ".join(world.names(*course.members))
             raise Stalled(f"lasting contact of {names}: step below {h:.3g} s", start)
         end = min(start + h, limit)
         try:
+            if first is None:
+                first = course(start, y)
             new, stages = method.step(course, start, y, end - start, first)
-        except NoSolution:
+            error = method.error(stages, end - start, scale)
+            if error <= 1.0:
+                course.lay(end, new, stages)
+                stop = _own_end(world, course)
+        except NoSolution:  # also on the way to where a contact ceases to slide
             world.audit.rejected += 1
             h = 0.25 * (end - start)
             if h < BRINK * world.scales.time:
@@ -70,13 +76,10 @@ def _step(world: World, course: Course, limit: float) -> None:
                 world.dirty[course.members] = True
                 return
             continue
-        error = method.error(stages, end - start, scale)
         if error > 1.0:
             world.audit.rejected += 1
             h = (end - start) * max(0.2, 0.9 * error**-0.125)
             continue
-        course.lay(end, new, stages)
-        stop = _own_end(world, course)
         # what is there from the start is not the step's
         deepest = min(-DEEP * world.scales.length, 1.1 * course.gap.min(initial=0.0))
         if _overlap(world, course, stop, course.new) < deepest:

@@ -12,6 +12,7 @@ from reference_impl.effects.resting import Island, Pose, Problem, Push, nearest
 from reference_impl.effects.rough_impact import RoughCollision
 from reference_impl.effects.sliding import Limits, grip_of, pressed, rough_push
 from reference_impl.errors import Stalled
+from reference_impl.friction_cone import HOLDS, OFF
 from reference_impl.friction_problem import solve
 from reference_impl.kernels import cross
 from reference_impl.world import World
@@ -116,4 +117,10 @@ def jam(world: World, island: Island) -> None:
         answer = solve(p._replace(g=rows, c=problem.motion + kick, d=-collision.drift.ravel()))
     except NoSolution as error:
         raise Stalled(f"impulses in place of forces: {error}", world.t) from None
-    island.change(world.motion, b, pose, answer.x - problem.motion - kick)
+    # without the loads' share the contacts that hold would slide by as much backwards
+    after, keep = answer.x - kick, np.zeros((len(mu), 3), dtype=bool)
+    keep[answer.states != OFF, 0] = True
+    keep[answer.states == HOLDS, 1:] = True
+    if keep.any():
+        after = after + nearest(rows[keep.ravel()], -(rows @ after + collision.drift.ravel())[keep.ravel()])
+    island.change(world.motion, b, pose, after - problem.motion)

@@ -53,7 +53,7 @@ from reference_impl.bounces.queue import (
     place,
     schedule,
 )
-from reference_impl.collisions import NOISE, SAME_REST
+from reference_impl.collisions import GRAIN, NOISE, SAME_REST
 from reference_impl.kernels import dot, inlined, kernel, norm, turned
 from reference_impl.time_of_contact import parabola, spheres_meet
 
@@ -252,11 +252,14 @@ def _ends_here(real, whole, a, b, n, at_a, at_b, gap, rate, e, figures):
     if closing <= 0.0 or e == 1.0:
         return False
     bounce = 2.0 * parting / closing
-    if bounce < figures[LAST] or parting <= 2.0 * figures[PARTING] or parting**2 <= 8.0 * closing * max(-gap, 0.0):
-        return True
     body, at = (a, at_a) if real[a, LIGHT] > 0.0 else (b, at_b)
+    away = max(abs(at[0]), abs(at[1]), abs(at[2]))
+    if bounce < figures[LAST] or parting <= 2.0 * figures[PARTING]:
+        return True
+    if parting**2 <= 8.0 * closing * max(-gap, GRAIN * away):
+        return True
     rest = figures[NOW] + bounce / (1.0 - e)
-    noise = NOISE * max(abs(at[0]), abs(at[1]), abs(at[2])) / (-rate * (1.0 - e))
+    noise = NOISE * away / (-rate * (1.0 - e))
     if not abs(rest - real[body, FORESEEN]) <= SAME_REST * max(figures[SCALE], rest) + noise:
         real[body, FORESEEN] = rest
     return False

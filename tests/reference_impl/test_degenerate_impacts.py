@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from mechanics.effects import Drag, Gravity, Resting, Restitution, Rotation
+from mechanics.effects import Drag, Friction, Gravity, Resting, Restitution, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
 from reference_impl.settings import Settings
@@ -86,3 +86,54 @@ def test_an_edge_that_hangs_over_slides_off_and_turns():
     end = world.state()
     assert 0.5 * end.v[1, :2] + 0.08 * end.v[2, :2] == pytest.approx((0.5, -0.5), abs=1e-12)
     assert len(world.events) < 1000
+
+
+@pytest.mark.parametrize("law", ["propagation", "simultaneous"])
+@pytest.mark.parametrize("seed", range(12))
+def test_a_fast_room_does_not_keep_a_low_bounce_alive(seed, law):
+    """Where the time scale is short bounces of a rounding's height come before those that are brief.
+
+    Found a rounding of its place too late, a ball would arrive for ever as fast as it left.
+    """
+    rng = np.random.default_rng(seed)
+    e, depth = float(rng.uniform(0.1, 0.9)), float(rng.uniform(0.5, 30.0))
+    floor = Body("floor", HalfSpace(), position=(0.0, 0.0, -depth))
+    ball = Body("ball", Sphere(0.1), 2.0, (0.3, 0.2, 0.2 - depth), velocity=(2.0, 0.0, -0.5))
+    fast = Body("fast", Box((0.2, 0.2, 0.2)), 1.0, (0.0, 50.0, 1.0), velocity=(200.0, 0.0, 0.0))
+    world = begin(Scene((floor, ball, fast), (Gravity(), Restitution(e), Resting())), Settings(impact_law=law))
+    struck = math.sqrt(0.25 + 2.0 * 9.81 * 0.1)
+    end = (struck - 0.5) / 9.81 + 2.0 * struck * e / (9.81 * (1.0 - e))
+    advance(world, 1.1 * end)
+    # from the first speed down to that of a bounce as high as a rounding
+    least = math.sqrt(2.0 * 9.81 * 2.0**-52 * depth)
+    assert len(world.events) <= math.log(struck / least) / -math.log(e) + 5
+    grain = np.spacing(depth)
+    assert world.audit.last_bounce == pytest.approx(end, abs=1e-14 + 20.0 * math.sqrt(grain / 9.81))
+
+
+def test_forces_that_cease_to_exist_where_a_contact_ceases_to_slide_are_replaced_by_one_impulse():
+    """A ball rolls on the floor, a plate slides on it and carries a heavy ball that slides on the plate.
+
+    A moment before the plate would slide the other way no contact forces exist any more (every set of contacts that
+    push and hold was tried): an impulse stops both slips, leaves no trace of motion, and the three go on together.
+    """
+    low = Body("low", Sphere(0.1), 0.5, (0.10293878000442405, -0.08055974013472177, 0.1),
+               (0.7184749988707327, 0.4725353741675695, 0.38678044716925675, 0.3330238457611791),
+               (0.38408783946384684, -0.5449571685452217, 0.0),
+               (5.449571685452216, 3.840878394638468, 2.549407776175608))  # fmt: skip
+    plate = Body("plate", Box((0.25, 0.2, 0.25)), 0.5,
+                 (0.05568032903015477, -0.15158667869424938, 0.35412705138208467),
+                 (0.4913131856017869, 0.07191370373269065, -0.20805564127992937, -0.8427055375401709),
+                 (0.017979299862953595, -0.650465621771587, 0.5040128730997399),
+                 (-2.5585128571393443, -1.838114079609285, -3.438190812952623))  # fmt: skip
+    high = Body("high", Sphere(0.25), 35.82593378012382,
+                (-0.05683604176555952, 0.06022827747726969, 0.6631270124788572),
+                (0.8889953411136383, -0.3495820713246793, -0.29576043062009066, -0.0023294990902130454),
+                (-0.29589623968069845, 0.3028201678913363, -0.34621909223808717),
+                (-2.821886211437932, -2.858205508122832, 0.04547031982234814))  # fmt: skip
+    effects = (Gravity(), Rotation(), Friction(0.5), Restitution(0.5), Resting())
+    world = begin(Scene((FLOOR, low, plate, high), effects))
+    advance(world, 0.01)
+    assert [(i.what, i.time) for i in world.incidents] == [("painleve", pytest.approx(7.29e-5, abs=1e-6))]
+    assert world.audit.residual <= 1e-12
+    assert world.audit.step_rise <= 1e-10
