@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from comparisons.measurement import Case, Quantity
+from comparisons.moving import Moving
 from mechanics.effects import Resting
 from mechanics.rotation import angle_between
 
@@ -24,12 +25,22 @@ def measure(case: Case) -> Iterator[Quantity]:
     if not len(moving.mass):
         return
     if case.asks("drift"):
-        yield Quantity.worst("drift", np.linalg.norm(moving.x - moving.x[0], axis=2).max(axis=1), "m", moving.t)
+        yield Quantity.worst("drift", displacements(moving).max(axis=1), "m", moving.t)
     if case.asks("tilt"):
-        yield Quantity.worst("tilt", angle_between(moving.q[:1], moving.q).max(axis=1), "rad", moving.t)
+        yield Quantity.worst("tilt", turns(moving).max(axis=1), "rad", moving.t)
     if case.asks("rest speed") or Resting in case.scene.needs:
         speed = np.linalg.norm(moving.v[-1], axis=1) + np.linalg.norm(moving.w[-1], axis=1) * moving.radius
         yield Quantity("rest speed", float(speed.max()), "m/s", float(moving.t[-1]))
     if case.scene.out_of_plane() is None:
         level = case.scene.bodies[case.scene.moving[0]].position[1]
         yield Quantity.worst("out of plane", np.abs(moving.x[:, :, 1] - level).max(axis=1), "m", moving.t)
+
+
+def displacements(moving: Moving) -> np.ndarray:
+    """(T, k) distances of the moving bodies from where they started [m]."""
+    return np.asarray(np.linalg.norm(moving.x - moving.x[0], axis=2))
+
+
+def turns(moving: Moving) -> np.ndarray:
+    """(T, k) angles by which the moving bodies are turned against their attitudes at the start [rad]."""
+    return np.asarray(angle_between(moving.q[:1], moving.q))

@@ -1,4 +1,4 @@
-"""Energy, momentum, restitution and penetration: the same quantity side by side for every engine."""
+"""Energy, momentum, restitution, penetration and stability: the same quantity side by side for every engine."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from dataclasses import dataclass
 
 from comparisons.cell import Campaign, Cell
 from comparisons.measurement import Measurement
+from comparisons.stability import STABLE, words
 from reports.numbers import short, unit_text
 from reports.verdict import chosen, engines, scenarios
 
-SUBJECTS = ("energy", "momentum", "restitution", "penetration")
+SUBJECTS = ("energy", "momentum", "restitution", "penetration", "stability")
 
 
 @dataclass(frozen=True)
@@ -79,8 +80,13 @@ def _line(quantity: str, cells: Sequence[Cell | None], asked: float | None) -> L
         unit_text(unit),
         tuple(_value(m) for m in found),
         tuple(m.text if m else "" for m in found),
-        tuple(m is not None and m.verdict in ("fail", "unmeasured") for m in found),
+        tuple(m is not None and (m.verdict in ("fail", "unmeasured") or bool(broken_ways(m))) for m in found),
     )
+
+
+def broken_ways(row: Measurement) -> tuple[str, ...]:
+    """The words for the ways in which a motion broke; none for any other quantity."""
+    return words(row.text) if row.quantity == "stability" else ()
 
 
 def _value(row: Measurement | None) -> str:
@@ -88,4 +94,6 @@ def _value(row: Measurement | None) -> str:
         return ""
     if math.isnan(row.value):
         return "unmeasured" if row.verdict == "unmeasured" else "open"
+    if row.quantity == "stability":
+        return ", ".join(broken_ways(row)) or STABLE
     return short(row.value)
