@@ -15,6 +15,7 @@ from adapters.run import Failure, Run, sample_times
 from adapters.workers import MEMORY, TIMEOUT, Workers
 from comparisons.cell import Cell, cell_to_json
 from plumbline import run_folder
+from plumbline.card import keep_cards, read_cards
 from plumbline.fingerprint import fingerprint
 from plumbline.judging import absent, judged
 from plumbline.plan import Job, described, described_engines
@@ -77,6 +78,7 @@ class Options:
     budget: float | None = None
     memory: int = MEMORY
     rerun: str = "none"
+    card: bool = True
 
     def __post_init__(self) -> None:
         for name, least in (("jobs", 1), ("repeats", 1), ("memory", 0)):
@@ -130,7 +132,7 @@ class Execution:
             self.watcher.begin(len(self.jobs), len(self.jobs) - len(left))
             stopped = "the run was interrupted"
             try:
-                done |= self._run(left, folder, begun)
+                done |= self._run(left, folder, begun, manifest["engines"])
                 stopped = "" if len(done) == len(self.jobs) else f"the budget of {self.options.budget:g} s was spent"
             finally:
                 manifest |= {"wall_seconds": manifest["wall_seconds"] + time.monotonic() - begun, "stopped": stopped}
@@ -173,6 +175,7 @@ class Execution:
         if self.options.rerun == "all":
             return {}
         manifest["wall_seconds"] = before.get("wall_seconds", 0.0)
+        keep_cards(before.get("engines", {}), manifest["engines"])
         asked = {label: told.get("question") for label, told in before.get("scenarios", {}).items()}
         now = {label: told["question"] for label, told in manifest["scenarios"].items()}
         found = {job.key: self._judged_now(folder, job, cells[job.key]) for job in self.jobs
@@ -199,8 +202,8 @@ class Execution:
             return False
         return cell.repeats == 0 or cell.repeats >= self.options.repeats
 
-    def _run(self, left: Sequence[Job], folder: RunFolder, begun: float) -> dict[str, Cell]:
-        """Cells of the jobs that could be begun within the budget, by key."""
+    def _run(self, left: Sequence[Job], folder: RunFolder, begun: float, engines: dict[str, Any]) -> dict[str, Cell]:
+        """Cells of the jobs that could be begun within the budget, by key; then `engines` are told their cards."""
         waiting = [job for job in left if job.absent is None]
         done = {job.key: self._finish(folder, absent(job), 0.0) for job in left if job.absent is not None}
         running: dict[Future[Run], tuple[Job, float]] = {}
@@ -218,14 +221,18 @@ class Execution:
                         run = future.result()
                         cell = judged(job, run, folder.keep(job.key, run))
                         done[job.key] = self._finish(folder, cell, time.monotonic() - since)
+                if self.options.card and not self._spent(begun):
+                    read_cards(self.jobs, engines, workers, threads, self.options.timeout)
             finally:
                 workers.close()  # before the threads are joined: they wait for their workers
         return done
 
+    def _spent(self, begun: float) -> bool:
+        return self.options.budget is not None and time.monotonic() - begun > self.options.budget
+
     def _next(self, waiting: list[Job], running: Mapping[Any, tuple[Job, float]], begun: float) -> Job | None:
         """The first job in the order of the plan whose engine is free."""
-        spent = self.options.budget is not None and time.monotonic() - begun > self.options.budget
-        if spent or len(running) >= self.options.jobs:
+        if self._spent(begun) or len(running) >= self.options.jobs:
             return None
         busy = {job.engine for job, _ in running.values()}
         return next((job for job in waiting if job.engine not in busy), None)

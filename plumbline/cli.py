@@ -126,6 +126,22 @@ def conform(engines: tuple[str, ...], plugins: tuple[str, ...], json_: bool) -> 
 
 
 @cli.command()
+@click.argument("engines", nargs=-1, metavar="[ENGINE]...")
+@plug_in
+@as_json
+def card(engines: tuple[str, ...], plugins: tuple[str, ...], json_: bool) -> int:
+    """Read back what engines really apply: gravity, damping, inertia, restitution, friction, caps.
+
+    Every number is told from the motion of a small scene; asked and got stand side by side.
+    """
+    from plumbline import card
+
+    register(plugins)
+    with usage():
+        return card.show(engines, json_)
+
+
+@cli.command()
 @plug_in
 @as_json
 def doctor(plugins: tuple[str, ...], json_: bool) -> None:

@@ -127,5 +127,6 @@ def as_json(results: Results, paths: dict[str, Path], code: int) -> dict[str, An
         "exit_code": code,
         "folder": str(results.folder),
         "files": {name: str(path) for name, path in paths.items()},
+        "cards": {name: told["card"] for name, told in campaign.engines.items() if "card" in told},
         "cells": [json.loads(cell_to_json(cell)) for cell in results.cells],
     }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from comparisons.cell import Campaign
+from reports.card import at_stake
 from reports.findings import findings
 from reports.matrix import Entry, matrix
 from reports.numbers import count
@@ -21,7 +22,12 @@ def markdown(campaign: Campaign, limit: int = LIMIT) -> str:
     and how much.
     """
     head, table = _head(campaign), _table(campaign)
-    parts = [("verdict rows", table), ("findings", _findings(campaign)), ("reproduce lines", _reproduce(campaign))]
+    parts = [
+        ("verdict rows", table),
+        ("read-back cards", _card(campaign)),
+        ("findings", _findings(campaign)),
+        ("reproduce lines", _reproduce(campaign)),
+    ]
     room = limit - _size(head) - 400  # what is left out is told in at most this many bytes
     told = []
     text = head
@@ -83,6 +89,12 @@ def _entry(entry: Entry | None) -> str:
         return ""
     note = f" [{entry.note}]" if entry.note else ""
     return f"{entry.mark.glyph} {entry.mark.word} {plain(entry.ratio)}".rstrip() + note
+
+
+def _card(campaign: Campaign) -> list[str]:
+    """What engines got otherwise than asked."""
+    rows = [f"- **{plain(engine)}**: {plain('; '.join(told))}" for engine, told in at_stake(campaign).items()]
+    return ["## Read back otherwise than asked", "", *rows, ""] if rows else []
 
 
 def _findings(campaign: Campaign) -> list[str]:

@@ -13,6 +13,7 @@ from typing import Any
 from comparisons.cell import Campaign, Cell, cell_to_json
 from comparisons.measurement import Measurement
 from reports.balance import balance
+from reports.card import cards, incomparable, lines, remarks
 from reports.charts import cost_figures, has_point
 from reports.drawing import asset, marker_shape, svg
 from reports.findings import findings
@@ -101,6 +102,9 @@ def page(
         balance=balance(campaign, asked or {}),
         series=[(c.scenario, [(f.title, svg(f, 560.0, 230.0)) for f in c.figures], c.remark) for c in curves],
         undrawn=undrawn,
+        card=lines(cards(campaign)),
+        carded=tuple(cards(campaign)),
+        card_remarks=remarks(cards(campaign)),
         quantities=_quantities(campaign),
         chapters=findings(campaign),
         cells=_cells(campaign),
@@ -169,8 +173,9 @@ def _cells(campaign: Campaign) -> list[CellView]:
         cost = f"{short(1e3 * cell.cost)} ms/s" if has_point(cell) else ""
         rows = tuple(_measurement(m) for m in cell.measurements)
         settings = settings_text(cell.settings)
+        facts = _details(cell, incomparable(campaign, cell))
         views.append(
-            CellView(cell, fragment, mark(cell), ratio_text(cell), sentence(cell), settings, cost, rows, _details(cell))
+            CellView(cell, fragment, mark(cell), ratio_text(cell), sentence(cell), settings, cost, rows, facts)
         )
     return views
 
@@ -185,7 +190,7 @@ def _measurement(m: Measurement) -> tuple[str, ...]:
     return m.quantity, value, demanded, share, when, m.verdict, m.why
 
 
-def _details(cell: Cell) -> tuple[tuple[str, str], ...]:
+def _details(cell: Cell, differs: str) -> tuple[tuple[str, str], ...]:
     timing = ""
     if math.isfinite(cell.cost):
         timing = f"{short(1e3 * cell.cost, 4)} ms CPU per simulated second, {count(cell.repeats, 'repeat')}"
@@ -204,6 +209,7 @@ def _details(cell: Cell) -> tuple[tuple[str, str], ...]:
         "Build": build,
         "Repeats itself": "bit for bit" if cell.deterministic else "no: the cost is the least CPU time of the repeats",
         "Impacts": "" if cell.impacts < 0 else f"{cell.impacts} reported by the engine",
+        "Read back": differs,
         "Notes": "; ".join(cell.notes),
         "On record": cell.known,
         "Audit": settings_text(cell.audit),

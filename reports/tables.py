@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from comparisons.cell import Campaign, Cell
+from comparisons.reading import dependent
+from reports.card import differing, told
 from reports.verdict import ratio
 
 if TYPE_CHECKING:
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
 
 IDENTITY = ("run", "cell", "scenario", "family", "version", "engine", "engine_version", "settings", "state")
 MEASUREMENT = ("quantity", "value", "unit", "time", "text", "tolerance", "exact", "ratio", "verdict", "why")
-COLUMNS = (*IDENTITY, *MEASUREMENT, "cost")
+COLUMNS = (*IDENTITY, *MEASUREMENT, "cost", "not_comparable")
 CELL = (
     *IDENTITY, "tags", "duration", "stage", "reason", "time", "cost", "repeats", "contention", "deterministic",
     "build_seconds", "digest", "impacts", "worst", "worst_ratio", "known", "notes", "trace", "reproduce",
@@ -33,10 +35,11 @@ def measurement_rows(campaign: Campaign) -> list[dict[str, Any]]:
     rows = []
     for cell in campaign.cells:
         identity = _identity(campaign, cell)
-        cost = {"cost": cell.cost}
+        differs = differing(campaign, cell)
         for m in cell.measurements:
             own = {n: ratio(m) if n == "ratio" else getattr(m, n) for n in MEASUREMENT}
-            rows.append(_encodable(identity | own | cost))
+            reasons = [told(r) for r in differs if dependent(m.quantity, (r,))]
+            rows.append(_encodable(identity | own | {"cost": cell.cost, "not_comparable": "; ".join(reasons)}))
     return rows
 
 
@@ -75,7 +78,8 @@ def frame(campaign: Campaign) -> pd.DataFrame:
     DataFrame
         Columns `run`, `cell`, `scenario`, `family`, `version`, `engine`, `engine_version`, `settings` (JSON),
         `state`, the fields of `Measurement`, `ratio` (error over tolerance; NaN if nothing is demanded), `cost`
-        (CPU seconds per simulated second) and one column `setting.NAME` per setting.
+        (CPU seconds per simulated second), `not_comparable` (what the engine got otherwise than asked and this
+        quantity depends on) and one column `setting.NAME` per setting.
     """
     import pandas as pd
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from comparisons.cell import Campaign
+from reports.card import at_stake
 from reports.matrix import Entry, Matrix, matrix
 from reports.standing import groups, lead_sentence
 from reports.verdict import totals
@@ -36,6 +37,8 @@ def show(campaign: Campaign, console: Console | None = None) -> None:
     for group in groups(campaign):
         console.print(Text(f"{group.title}. ", style="bold") + Text(lead_sentence(group, len(shown.rows)), style=""))
     console.print(Text(totals(campaign)))
+    for engine, sentences in at_stake(campaign).items():
+        console.print(Text(f"{engine} got otherwise than asked: ", style="bold") + Text("; ".join(sentences)))
 
 
 def _side_by_side(shown: Matrix, width: int) -> list[list[int]]:
