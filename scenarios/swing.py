@@ -48,3 +48,27 @@ def fall_time(rate: float, start: float, angle: float) -> float:
     cosine = math.sqrt(max(0.0, 1.0 - sn * sn))
     left = sn * float(elliprf(cosine**2, cosine**2 + rest * sn**2, 1.0))
     return quarter(rate, math.pi - start) - left / rate
+
+
+def whirl(t: np.ndarray, rate: float, spin: float) -> tuple[np.ndarray, np.ndarray]:
+    """Angle φ [rad] and its rate [rad/s] at times `t` after the pendulum hung straight down and turned at `spin` > 0.
+
+    It goes over the top, φ = 2 am (½ spin t, (2 ω/spin)²), if spin > 2 ω, and else swings.
+    """
+    from scipy.special import ellipj
+
+    t, k = np.asarray(t, dtype=np.float64), 0.5 * spin / rate
+    if k > 1.0:
+        _, _, dn, amplitude = ellipj(0.5 * spin * t, 1.0 / k**2)
+        return 2.0 * amplitude, spin * dn
+    sn, cn, _, _ = ellipj(rate * t, k * k)
+    return 2.0 * np.arcsin(k * sn), spin * cn
+
+
+def whirl_time(rate: float, spin: float, angle: float) -> float:
+    """Time [s] from straight down at `spin` > 0 to `angle` <= π, which it reaches: F (φ/2 | (2 ω/spin)²) 2/spin."""
+    from scipy.special import elliprf
+
+    sine = math.sin(0.5 * angle)
+    left = max(0.0, 1.0 - (2.0 * rate / spin * sine) ** 2)
+    return 2.0 / spin * sine * float(elliprf(math.cos(0.5 * angle) ** 2, left, 1.0))
