@@ -13,7 +13,7 @@ from mechanics.shapes import Sphere
 from mechanics.trajectory import Trajectory
 from scenarios.motion import Motion, trajectory, vectors
 from scenarios.off_the_sphere import BIG, PATH, SMALL
-from scenarios.scenario import Scenario, scenario
+from scenarios.scenario import Scenario, Truth, scenario
 from scenarios.swing import fall, fall_speed, fall_time
 from scenarios.tolerance import GRAVITY, STEP, first_order
 
@@ -30,6 +30,19 @@ def grip_lost(start: float, mu: float) -> float:
         return mu * push - RATIO / (1.0 + RATIO) * math.sin(angle)
 
     return float(brentq(spare, start, 0.5 * math.pi, xtol=1e-14))
+
+
+def rolling(scene: Scene, begin: float) -> Truth:
+    """Motion of the small ball, which turns by ρ/r for each radian of its path."""
+
+    def truth(t: np.ndarray) -> Trajectory:
+        angle, rate = fall(t, RATE, begin)
+        sine, cosine, gear = PATH * np.sin(angle), PATH * np.cos(angle), PATH / SMALL
+        q, w = exponential(vectors(t, y=gear * (angle - begin))), vectors(t, y=gear * rate)
+        motion = Motion(vectors(t, x=sine, z=cosine), vectors(t, x=rate * cosine, z=-rate * sine), q, w)
+        return trajectory(scene, t, {"small": motion})
+
+    return truth
 
 
 @scenario(
@@ -51,20 +64,13 @@ def rolling_off_the_sphere(start: float = 20.0, mu: float = 1.0) -> Scenario:
     last = grip_lost(begin, mu)
     duration = math.floor(100.0 * fall_time(RATE, begin, last)) / 100.0
 
-    def truth(t: np.ndarray) -> Trajectory:
-        angle, rate = fall(t, RATE, begin)
-        sine, cosine, gear = PATH * np.sin(angle), PATH * np.cos(angle), PATH / SMALL
-        q, w = exponential(vectors(t, y=gear * (angle - begin))), vectors(t, y=gear * rate)
-        motion = Motion(vectors(t, x=sine, z=cosine), vectors(t, x=rate * cosine, z=-rate * sine), q, w)
-        return trajectory(scene, t, {"small": motion})
-
     speed = PATH * fall_speed(RATE, begin, last)
     pull = GRAVITY / (1.0 + RATIO) + speed**2 / PATH
     return Scenario(
         scene=scene,
         duration=duration,
         sampling=duration / 100.0,
-        truth=truth,
+        truth=rolling(scene, begin),
         checks=(
             first_order("position error", speed * STEP, "m", "v h: a first-order scheme is a step early or late"),
             first_order("velocity error", pull * STEP, "m/s", "(g/(1 + k) + v²/ρ) h: one step's change"),

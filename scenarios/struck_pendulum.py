@@ -12,7 +12,7 @@ from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, Sphere
 from mechanics.trajectory import Trajectory
 from scenarios.motion import Motion, trajectory, vectors
-from scenarios.scenario import Scenario, scenario
+from scenarios.scenario import Scenario, Truth, scenario
 from scenarios.tolerance import STEP, converged, first_order
 
 LENGTH, THICK, ROD, BALL, RADIUS = 1.2, 0.1, 3.0, 0.2, 0.05  # [m], [m], [kg], [kg], [m]
@@ -36,6 +36,23 @@ def struck(e: float, depth: float) -> Struck:
     return Struck(impulse, spin, SPEED - impulse / BALL, 0.5 * ROD * LENGTH * spin - impulse)
 
 
+def after_the_blow(scene: Scene, after: Struck) -> Truth:
+    """Uniform motion before and after the blow, of the rod about its hinge at the origin."""
+    start, _, height = scene.body("ball").position
+
+    def truth(t: np.ndarray) -> Trajectory:
+        before, since, hit = np.minimum(t, MEETING), np.maximum(t - MEETING, 0.0), t >= MEETING
+        turn, rate = after.spin * since, np.where(hit, after.spin, 0.0)
+        sine, cosine = 0.5 * LENGTH * np.sin(turn), 0.5 * LENGTH * np.cos(turn)
+        x, v = vectors(t, x=sine, z=-cosine), vectors(t, x=rate * cosine, z=rate * sine)
+        motion = Motion(x, v, exponential(vectors(t, y=-turn)), vectors(t, y=-rate))
+        place = vectors(t, x=start + SPEED * before + after.ball * since, z=height)
+        flight = Motion(place, vectors(t, x=np.where(hit, after.ball, SPEED)))
+        return trajectory(scene, t, {"rod": motion, "ball": flight})
+
+    return truth
+
+
 @scenario(
     tags=("impact", "joint", "rotation"),
     suites=(),
@@ -56,22 +73,12 @@ def struck_pendulum(e: float = 0.5, depth: float = 0.9) -> Scenario:
     scene = Scene((Body("pivot", Sphere(0.02)), rod, ball), (Restitution(e), Rotation(), Hinge("pivot", "rod")))
     after = struck(e, depth)
 
-    def truth(t: np.ndarray) -> Trajectory:
-        before, since, hit = np.minimum(t, MEETING), np.maximum(t - MEETING, 0.0), t >= MEETING
-        turn, rate = after.spin * since, np.where(hit, after.spin, 0.0)
-        sine, cosine = 0.5 * LENGTH * np.sin(turn), 0.5 * LENGTH * np.cos(turn)
-        x, v = vectors(t, x=sine, z=-cosine), vectors(t, x=rate * cosine, z=rate * sine)
-        motion = Motion(x, v, exponential(vectors(t, y=-turn)), vectors(t, y=-rate))
-        place = vectors(t, x=start + SPEED * before + after.ball * since, z=-depth)
-        flight = Motion(place, vectors(t, x=np.where(hit, after.ball, SPEED)))
-        return trajectory(scene, t, {"rod": motion, "ball": flight})
-
     jump = SPEED - after.ball
     return Scenario(
         scene=scene,
         duration=DURATION,
         sampling=2e-3,
-        truth=truth,
+        truth=after_the_blow(scene, after),
         checks=(
             first_order("position error", jump * STEP, "m", "|Δv| h: the rod is seen up to one step late"),
             converged("velocity error", SPEED, "the approach speed in m/s"),

@@ -13,7 +13,7 @@ from mechanics.shapes import Box, Sphere
 from mechanics.trajectory import Trajectory
 from scenarios.motion import Motion, trajectory, vectors
 from scenarios.pendulum import ACROSS, ARMS, LENGTH, MASS, RATES
-from scenarios.scenario import Scenario, scenario
+from scenarios.scenario import Check, Scenario, scenario
 from scenarios.swing import whirl, whirl_time
 from scenarios.tolerance import GRAVITY, STEP, first_order
 
@@ -50,22 +50,26 @@ def whirling_rod(spin: float = 9.0, duration: float = 3.0) -> Scenario:
         x, v = vectors(t, x=sine, z=-cosine), vectors(t, x=rate * cosine, z=rate * sine)
         return trajectory(scene, t, {"rod": Motion(x, v, exponential(vectors(t, y=-angle)), vectors(t, y=-rate))})
 
-    slowest = math.sqrt(spin**2 - 4.0 * RATE**2)
-    # a step early or late at the bottom is spin/slowest times as much in the angle near the top
-    late = (1.0 + duration / (2.0 * whirl_time(RATE, spin, math.pi))) * spin / slowest * STEP
-    pull = 1.5 * GRAVITY / LENGTH + spin**2
-    why = f"a step early or late in each turn, {spin / slowest:.2g} times as much where it is slowest: "
     return Scenario(
         scene=scene,
         duration=duration,
         sampling=duration / 300.0,
         truth=truth,
-        checks=(
-            first_order("position error", late * spin * ARM, "m", why + "v h"),
-            first_order("velocity error", late * pull * ARM, "m/s", why + "(α + ω²) l h"),
-            first_order("orientation error", late * spin, "rad", why + "ω h"),
-            first_order("angular velocity error", late * 1.5 * GRAVITY / LENGTH, "rad/s", why + "α h"),
-        ),
+        checks=_checks(spin, duration),
         source="θ = 2 am (½ ω₀ t, 4 ω²/ω₀²); Landau and Lifshitz, Mechanics, §11; Abramowitz and Stegun, ch. 16",
         about=(Gravity, Hinge),
+    )
+
+
+def _checks(spin: float, duration: float) -> tuple[Check, ...]:
+    """A step early or late in each turn, at the bottom; that is spin/slowest times as much in the angle at the top."""
+    slowest = math.sqrt(spin**2 - 4.0 * RATE**2)
+    late = (1.0 + duration / (2.0 * whirl_time(RATE, spin, math.pi))) * spin / slowest * STEP
+    pull = 1.5 * GRAVITY / LENGTH + spin**2
+    why = f"a step early or late in each turn, {spin / slowest:.2g} times as much where it is slowest: "
+    return (
+        first_order("position error", late * spin * ARM, "m", why + "v h"),
+        first_order("velocity error", late * pull * ARM, "m/s", why + "(α + ω²) l h"),
+        first_order("orientation error", late * spin, "rad", why + "ω h"),
+        first_order("angular velocity error", late * 1.5 * GRAVITY / LENGTH, "rad/s", why + "α h"),
     )
