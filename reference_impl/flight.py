@@ -386,8 +386,8 @@ def where(s, x_series, q_series, x, v, q, rate):
 def carry(t, plain, inverse_inertia, x, v, q, momentum, begin, x_series, q_series):
     """Set position, velocity and attitude of every body to what its polynomials say at time t.
 
-    A `plain` body turns at a constant angular velocity and its attitude is exact.  A path whose terms of order
-    three to five are zero is a parabola: drag has them all, and motion in lasting contact has no others.
+    A `plain` body in flight turns at a constant angular velocity and its attitude is exact.  A path whose terms of
+    order three to five are zero is a parabola: drag has them all, and motion in lasting contact has no others.
     """
     for i in range(len(x)):
         s = t - begin[i]
@@ -404,16 +404,16 @@ def carry(t, plain, inverse_inertia, x, v, q, momentum, begin, x_series, q_serie
                 p = p * s + x_series[i, k, c]
             x[i, c] = p
             v[i, c] = d
-        if plain[i]:
+        still = True
+        for c in range(4):
+            q[i, c] = q_series[i, 0, c]
+            still = still and q_series[i, 1, c] == 0.0 and q_series[i, 2, c] == 0.0
+        if plain[i] and still:  # friction that lasts turns a sphere as polynomials say
             angle = apply(inverse_inertia[i], momentum[i])
             for c in range(3):
                 angle[c] *= s
             q[i] = turned(q_series[i, 0], angle)
             continue
-        still = True
-        for c in range(4):
-            q[i, c] = q_series[i, 0, c]
-            still = still and q_series[i, 1, c] == 0.0 and q_series[i, 2, c] == 0.0
         if still or s == 0.0:
             continue
         a, b, f, g = q_series[i, ORDER]
