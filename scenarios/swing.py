@@ -72,3 +72,17 @@ def whirl_time(rate: float, spin: float, angle: float) -> float:
     sine = math.sin(0.5 * angle)
     left = max(0.0, 1.0 - (2.0 * rate / spin * sine) ** 2)
     return 2.0 / spin * sine * float(elliprf(math.cos(0.5 * angle) ** 2, left, 1.0))
+
+
+def passing(t: np.ndarray, rate: float, slowest: float) -> tuple[np.ndarray, np.ndarray]:
+    """Angle ψ from the top [rad], growing, and its rate [rad/s] at times `t` after it passed the top at `slowest`."""
+    spin = math.hypot(slowest, 2.0 * rate)
+    angle, speed = whirl(np.asarray(t, dtype=np.float64) + whirl_time(rate, spin, math.pi), rate, spin)
+    return angle - math.pi, speed
+
+
+def passing_time(rate: float, slowest: float, angle: float) -> float:
+    """Time [s] from the top, passed at `slowest` > 0, to `angle`, of either sign: odd in the angle."""
+    spin = math.hypot(slowest, 2.0 * rate)
+    left = whirl_time(rate, spin, math.pi) - whirl_time(rate, spin, math.pi - abs(angle))
+    return math.copysign(left, angle)
