@@ -13,7 +13,7 @@ force f (n - µ s) along its slip direction s, and only its normal part is open.
 Three models of the cone can be chosen:
 
     exact     the law above
-    pyramid   the circle of friction replaced by a regular polygon (Stewart and Trinkle, 1996): slip turns to its sides
+    pyramid   the circle of friction replaced by a regular polygon, see `friction_polygon`: slip turns to its sides
     convex    without the term µ |u_T| n (Anitescu, 2006): what slides also lifts off
 
 No solver is believed: every answer carries the natural-map residual of its own model.
@@ -25,14 +25,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from reference_impl import friction_polygon
 from reference_impl.contact_problem import NoSolution
 from reference_impl.friction_cone import HOLDS, OFF, SLIPS, rate
+from reference_impl.friction_guess import CLOSED, FULL, guessed
 from reference_impl.friction_hold import hold
 from reference_impl.friction_newton import newton
 from reference_impl.friction_solvers import pivot, relax, sweep
 
 GOOD = 1e-12  # certificate at which the search ends
-CLOSED = 1e-9  # relative motion along the normal up to which a contact stays closed
 USABLE = 1e-9  # certificate above which an answer is refused
 SWEEPS = (30, 300, 3_000, 20_000)  # of non-smooth Gauss-Seidel, each followed by Newton's method
 MODELS = ("exact", "pyramid", "convex")
@@ -57,6 +58,8 @@ class Rough(NamedTuple):
     d: np.ndarray  # (3 m,) values of the rows at which the relative motion is zero
     mu: np.ndarray  # (m,) coefficients of friction
     slides: np.ndarray  # (m,) bool: slides along its first tangent already
+    # (m,) coefficient of the friction across that, where contacts slide midway between two corners of a polygon
+    across: np.ndarray | None = None
 
 
 def solve(problem: Rough, model: str = "exact", sides: int = 4, guess: np.ndarray | None = None) -> Answer:
@@ -82,17 +85,38 @@ def solve(problem: Rough, model: str = "exact", sides: int = 4, guess: np.ndarra
         raise ValueError(f"friction model = {model!r}; allowed: {', '.join(MODELS)}")
     if sides < 4 or sides % 2:
         raise ValueError(f"sides = {sides!r}; allowed: an even number from 4 on")
+    if guess is not None and model == "exact":
+        answer = _expected(problem, guess)
+        if answer is not None:
+            return answer
     unit, length = _unit(problem)
-    best = _pyramid(unit, sides) if model == "pyramid" else _searched(unit, model == "convex", guess)
-    r, x, residual, solver = best
+    if model == "pyramid":
+        across = np.zeros(len(length)) if problem.across is None else problem.across
+        r, worth, solver = friction_polygon.solve(unit, across, sides, guess)
+        x, residual = unit.c + unit.g.T @ r, worth / _scale(unit)
+    else:
+        r, x, residual, solver = _searched(unit, model == "convex", guess)
     if not residual <= USABLE:
         raise NoSolution(f"no solver solves the friction of {len(length)} contacts (best certificate {residual:.3g})")
     u = (unit.g @ x - unit.d).reshape(-1, 3)
     pressed = (r[::3] > 0.0) | (u[:, 0] <= CLOSED * _scale(unit))
     t = np.hypot(r[1::3], r[2::3])
-    slip = unit.slides | ((t >= (1.0 - 1e-9) * unit.mu * r[::3]) & (np.hypot(u[:, 1], u[:, 2]) > CLOSED * _scale(unit)))
+    slip = unit.slides | ((t >= (1.0 - FULL) * unit.mu * r[::3]) & (np.hypot(u[:, 1], u[:, 2]) > CLOSED * _scale(unit)))
     states = np.where(pressed, np.where(slip, SLIPS, HOLDS), OFF)
     return Answer(r.reshape(-1, 3) / length[:, None], x, u * length[:, None], residual, solver, states)
+
+
+def _expected(p: Rough, guess: np.ndarray) -> Answer | None:
+    """The answer if the contacts are in the states of the guess; None if they are not."""
+    m = len(p.mu)
+    r, u, x, way = np.empty(3 * m), np.empty(3 * m), np.empty(len(p.c)), np.zeros((m, 2))
+    states, way[:, 0] = np.array(guess, dtype=np.int64), 1.0
+    unit, level = np.empty(p.g.shape), np.empty(3 * m)
+    try:
+        worth = guessed(p.g, p.c, p.d, p.mu, p.slides, states, way, unit, level, r, x, u)
+    except (ValueError, np.linalg.LinAlgError):  # a matrix that is not finite
+        return None
+    return Answer(r.reshape(m, 3), x, u.reshape(m, 3), worth, "guess", states) if worth <= GOOD else None
 
 
 def _scale(p: Rough) -> float:
@@ -207,48 +231,3 @@ def _sliding(p: Rough) -> np.ndarray:
     r[:, 0] = f
     r[:, 1] = -p.mu * f
     return r.ravel()
-
-
-def _pyramid(p: Rough, sides: int) -> tuple[np.ndarray, np.ndarray, float, str]:
-    """The problem with polygons instead of circles: (r, x, residual, solver).
-
-    Stewart and Trinkle's linear complementarity problem, unknowns f (normal), b_j >= 0 along the corners of the
-    polygon and s (slip speed): u_n >= 0, s + e_j·u_T >= 0, µ f - Σ b_j >= 0, each complementary to its unknown.
-    """
-    m = len(p.mu)
-    angle = 2.0 * np.pi * np.arange(sides) / sides
-    whole = p.g.reshape(m, 3, -1)
-    level = p.d.reshape(m, 3)
-    size = 2 + sides
-    rows, free = np.zeros((m * size, p.g.shape[1])), np.zeros(m * size)
-    columns = np.zeros_like(rows)
-    extra = np.zeros((m * size, m * size))
-    for i in range(m):
-        at = i * size
-        n, t = whole[i, 0], whole[i, 1:]
-        rows[at] = n
-        free[at] = n @ p.c - level[i, 0]
-        columns[at] = n - p.mu[i] * t[0] if p.slides[i] else n
-        if p.slides[i]:
-            extra[range(at + 1, at + size), range(at + 1, at + size)] = 1.0
-            continue
-        corners = np.cos(angle)[:, None] * t[0] + np.sin(angle)[:, None] * t[1]
-        rows[at + 1 : at + 1 + sides] = columns[at + 1 : at + 1 + sides] = corners
-        free[at + 1 : at + 1 + sides] = corners @ p.c - np.cos(angle) * level[i, 1] - np.sin(angle) * level[i, 2]
-        extra[at + 1 : at + 1 + sides, at + size - 1] = 1.0
-        extra[at + size - 1, at] = p.mu[i]
-        extra[at + size - 1, at + 1 : at + 1 + sides] = -1.0
-    matrix = rows @ columns.T + extra
-    z = pivot(matrix, free)
-    if not np.isfinite(z).all():
-        return np.zeros(3 * m), p.c, np.inf, "pivots"
-    scale = _scale(p)
-    worth = float(np.abs(np.minimum(z, matrix @ z + free)).max()) / scale
-    z = z.reshape(m, size)
-    r = np.zeros((m, 3))
-    r[:, 0] = z[:, 0]
-    r[:, 1] = z[:, 1 : 1 + sides] @ np.cos(angle)
-    r[:, 2] = z[:, 1 : 1 + sides] @ np.sin(angle)
-    r[p.slides, 1] = -(p.mu * z[:, 0])[p.slides]
-    r[p.slides, 2] = 0.0
-    return r.ravel(), p.c + p.g.T @ r.ravel(), worth, "pivots"

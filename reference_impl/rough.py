@@ -27,7 +27,8 @@ KICK = 1e-9  # time of the loads that start an impulse where forces do not exist
 def limits(world: World) -> Limits:
     """What counts as sliding in this scene."""
     speed, time = world.scales.speed, world.scales.time
-    return Limits(SLOW * speed, BEGINS * speed / time, CREEP * speed, LAG * time)
+    sides = world.settings.sides if world.settings.friction == "pyramid" else 0
+    return Limits(SLOW * speed, BEGINS * speed / time, CREEP * speed, LAG * time, sides)
 
 
 def rough_collision(
@@ -114,7 +115,8 @@ def jam(world: World, island: Island) -> None:
     rows = collision.rows.reshape(3 * len(mu), -1)
     p = rough(island, problem, pose, b, tangents, mu, np.zeros(len(mu), dtype=np.bool_))
     try:
-        answer = solve(p._replace(g=rows, c=problem.motion + kick, d=-collision.drift.ravel()))
+        p = p._replace(g=rows, c=problem.motion + kick, d=-collision.drift.ravel())
+        answer = solve(p, collision.model, collision.sides)
     except NoSolution as error:
         raise Stalled(f"impulses in place of forces: {error}", world.t) from None
     # without the loads' share the contacts that hold would slide by as much backwards

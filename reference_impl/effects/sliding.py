@@ -15,6 +15,7 @@ import numpy as np
 from reference_impl.effects.friction import frames, rough, slips
 from reference_impl.effects.resting import Island, Pose, Problem, Push, accelerations
 from reference_impl.friction_cone import HOLDS, SLIPS
+from reference_impl.friction_polygon import faces, within
 from reference_impl.friction_problem import Answer, Rough, solve
 from reference_impl.state import Bodies
 
@@ -26,6 +27,7 @@ class Limits(NamedTuple):
     begins: float  # acceleration above which it begins to [m/s2]
     creep: float  # slip up to which it is still beginning [m/s]
     lag: float  # see `grip_of` [s]
+    sides: int = 0  # of the polygon in place of the circle of friction; 0: the circle
 
 
 class Grip(NamedTuple):
@@ -36,6 +38,26 @@ class Grip(NamedTuple):
     way: np.ndarray  # (m, 3) slip direction where it slides
     creeps: np.ndarray  # (m,) bool: it begins to slide
     lag: float  # time by which the friction of one that begins to slide looks ahead [s]
+    facet: Facet | None = None  # where the cone is a pyramid
+
+
+class Facet(NamedTuple):
+    """To which part of a polygon the slip of each contact belongs; see `friction_polygon`."""
+
+    sides: int
+    turn: np.ndarray  # (m,) direction of its friction in the polygon's tangents [rad]; 0 where it does not slide
+    between: np.ndarray  # (m,) bool: midway between two corners
+
+    def tangents(self, normal: np.ndarray) -> np.ndarray:
+        """Both tangents (m, 2, 3) of each contact, the first against its friction."""
+        own = frames(normal, np.zeros(normal.shape))
+        c, s = np.cos(self.turn)[:, None], np.sin(self.turn)[:, None]
+        return np.stack([c * own[:, 0] + s * own[:, 1], c * own[:, 1] - s * own[:, 0]], axis=1)
+
+    def coefficients(self, mu: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Coefficients of friction (m,) along the first tangent and, for contacts midway, across it."""
+        half = np.pi / self.sides
+        return np.where(self.between, np.cos(half), 1.0) * mu, np.where(self.between, np.sin(half), 0.0) * mu
 
 
 def forces(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Grip, floor: float,
@@ -55,12 +77,17 @@ def forces(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Grip, 
         If there are no such forces (Painlevé) or no solver finds them.
     """
     s = slips(island.contacts, problem.k, pose, b)
-    speed = np.sqrt((s.velocity**2).sum(axis=1))
-    way = np.where((grip.slides & (speed > floor))[:, None], s.velocity, grip.way)
-    # past a reversal that is still to be located the force goes on smoothly
-    way[(way * grip.way).sum(axis=1) < 0.0] *= -1.0
-    tangents = frames(problem.k.normal, np.where(grip.creeps[:, None], s.velocity, way))
-    p = rough(island, problem, pose, b, tangents, grip.mu, grip.slides)
+    if grip.facet is None:
+        speed = np.sqrt((s.velocity**2).sum(axis=1))
+        way = np.where((grip.slides & (speed > floor))[:, None], s.velocity, grip.way)
+        # past a reversal that is still to be located the force goes on smoothly
+        way[(way * grip.way).sum(axis=1) < 0.0] *= -1.0
+        tangents = frames(problem.k.normal, np.where(grip.creeps[:, None], s.velocity, way))
+        p = rough(island, problem, pose, b, tangents, grip.mu, grip.slides)
+    else:
+        tangents = grip.facet.tangents(problem.k.normal)
+        mu, across = grip.facet.coefficients(grip.mu)
+        p = rough(island, problem, pose, b, tangents, mu, grip.slides)._replace(across=across)
     least = p.d.reshape(-1, 3).copy()
     least[:, 0] = problem.least
     ahead = s.bias + s.pulled
@@ -68,7 +95,8 @@ def forces(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Grip, 
         ahead[grip.creeps] += s.velocity[grip.creeps] / grip.lag
     least[:, 1:] -= np.einsum("ijk,ik->ij", tangents, ahead)
     p = p._replace(c=problem.free, d=least.ravel())
-    return solve(p, guess=guess), p, tangents, s.velocity
+    model, sides = ("exact", 4) if grip.facet is None else ("pyramid", grip.facet.sides)
+    return solve(p, model, sides, guess), p, tangents, s.velocity
 
 
 def pressed(grip: Grip) -> np.ndarray:
@@ -88,7 +116,7 @@ def grip_of(island: Island, problem: Problem, pose: Pose, b: Bodies, mu: np.ndar
     way = np.zeros_like(s.velocity)
     way[moves] = s.velocity[moves] / speed[moves, None]
     none = np.zeros(len(mu), dtype=np.bool_)
-    grip = Grip(mu, moves | (mu == 0.0), way, none, limits.lag)
+    grip = Grip(mu, moves | (mu == 0.0), way, none, limits.lag, _facet(problem, s.velocity, moves, limits))
     doubtful = (mu > 0.0) & (speed <= limits.creep)
     if not doubtful.any():
         return grip
@@ -96,7 +124,16 @@ def grip_of(island: Island, problem: Problem, pose: Pose, b: Bodies, mu: np.ndar
     start = np.sqrt((answer.u[:, 1:] ** 2).sum(axis=1))
     grows = (answer.u[:, 1:] * np.einsum("ijk,ik->ij", tangents, way)).sum(axis=1) > 0.0
     creeps = doubtful & (answer.r[:, 0] > 0.0) & np.where(moves, grows, start > limits.begins)
-    return Grip(mu, grip.slides & ~creeps, way, creeps, limits.lag)
+    facet = _facet(problem, s.velocity, moves & ~creeps, limits)
+    return Grip(mu, grip.slides & ~creeps, way, creeps, limits.lag, facet)
+
+
+def _facet(problem: Problem, velocity: np.ndarray, moves: np.ndarray, limits: Limits) -> Facet | None:
+    if limits.sides == 0:
+        return None
+    slip = np.einsum("ijk,ik->ij", frames(problem.k.normal, np.zeros(velocity.shape)), velocity)
+    turn, between = faces(slip, limits.sides, limits.slow)
+    return Facet(limits.sides, np.where(moves, turn, 0.0), between & moves)
 
 
 def rough_push(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Grip, floor: float,
@@ -115,9 +152,15 @@ def rough_push(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Gr
 
 
 def reversing(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Grip, loaded: np.ndarray) -> float:
-    """Least slip along its first direction of the loaded contacts that slide [m/s]; inf if there is none."""
+    """Least slip along its first direction of the loaded contacts that slide [m/s]; inf if there is none.
+
+    Of a pyramid: the least distance of a slip from where it belongs to another part of the polygon.
+    """
     chosen = grip.slides & loaded & (grip.mu > 0.0)
     if not chosen.any():
         return np.inf
     s = slips(island.contacts, problem.k, pose, b)
+    if grip.facet is not None:
+        slip = np.einsum("ijk,ik->ij", grip.facet.tangents(problem.k.normal), s.velocity)
+        return float(within(slip, grip.facet.between, grip.facet.sides)[chosen].min())
     return float((s.velocity * grip.way).sum(axis=1)[chosen].min())
