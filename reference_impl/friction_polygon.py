@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reference_impl.friction_cone import OFF
+from reference_impl.friction_cone import OFF, SLIPS
 from reference_impl.friction_solvers import pivot, sweep
 from reference_impl.kernels import kernel
 
@@ -106,7 +106,7 @@ def solve(p: Rough, across: np.ndarray, sides: int, guess: np.ndarray | None) ->
     across : (m,) array
         Coefficient of the friction across the direction of contacts that slide.
     guess : (m,) array of int, optional
-        As in `friction_problem.solve`.
+        As in `friction_problem.solve`, or `facets`.
     """
     scale = max(float(np.sqrt(p.c @ p.c)), float(np.abs(p.d).max()), 1e-300)
 
@@ -116,7 +116,7 @@ def solve(p: Rough, across: np.ndarray, sides: int, guess: np.ndarray | None) ->
         return rate(p.g @ (p.c + p.g.T @ r) - p.d, r, p.mu, p.slides, across, sides)
 
     if guess is not None:
-        r = _held(p, across, guess != OFF)
+        r = _held(p, across, guess, sides)
         if (value := worth(r)) <= GOOD * scale:
             return r, value, "guess"
     best, least, whose = np.full(len(p.d), math.nan), math.inf, "none"
@@ -136,14 +136,38 @@ def solve(p: Rough, across: np.ndarray, sides: int, guess: np.ndarray | None) ->
     return best, least, whose
 
 
-def _held(p: Rough, across: np.ndarray, pushes: np.ndarray) -> np.ndarray:
-    """The smallest forces with which contacts that push stay closed, and hold where they do not slide."""
+def facets(slides: np.ndarray, slip: np.ndarray, states: np.ndarray, sides: int, slow: float) -> np.ndarray:
+    """States of contacts (m,) with those that begin to slide told apart: SLIPS + 1 + j where friction is at facet j.
+
+    Facet 2k is corner k, facet 2k + 1 the side that follows it: that which `slip` (m, 2) leaves behind, a side where
+    it is no more than `slow` from its normal.  Contacts that slide already remain what they are.
+    """
+    turn, _ = faces(-slip, sides, slow)
+    facet = np.round(turn * sides / math.pi).astype(np.int64) % (2 * sides)
+    return np.where((states == SLIPS) & ~slides, SLIPS + 1 + facet, states)
+
+
+def _held(p: Rough, across: np.ndarray, states: np.ndarray, sides: int) -> np.ndarray:
+    """The smallest forces with which contacts that push stay closed, and hold or slide as their states say."""
     rows, columns = [], []
-    for i in np.flatnonzero(pushes):
-        n, a, b = np.eye(len(p.d))[3 * i : 3 * i + 3]
-        free = (n, b) if across[i] > 0.0 else (n,)
-        rows += free if p.slides[i] else (n, a, b)
-        columns += (n - p.mu[i] * a, *free[1:]) if p.slides[i] else (n, a, b)
+    unit = np.eye(len(p.d))
+    for i in np.flatnonzero(states != OFF):
+        n, a, b = unit[3 * i : 3 * i + 3]
+        if p.slides[i]:
+            free = (n, b) if across[i] > 0.0 else (n,)
+            rows += free
+            columns += (n - p.mu[i] * a, *free[1:])
+        elif states[i] <= SLIPS:
+            rows += (n, a, b)
+            columns += (n, a, b)
+        else:
+            facet = int(states[i]) - SLIPS - 1
+            angle = facet * math.pi / sides
+            c, s = math.cos(angle), math.sin(angle)
+            side = (c * b - s * a,) if facet % 2 else ()
+            reach = math.cos(math.pi / sides) if side else 1.0
+            rows += (n, *side)
+            columns += (n + p.mu[i] * reach * (c * a + s * b), *side)
     r = np.zeros(len(p.d))
     if not rows:
         return r

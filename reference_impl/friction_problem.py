@@ -14,7 +14,7 @@ Three models of the cone can be chosen:
 
     exact     the law above
     pyramid   the circle of friction replaced by a regular polygon, see `friction_polygon`: slip turns to its sides
-    convex    without the term µ |u_T| n (Anitescu, 2006): what slides also lifts off
+    convex    without the term µ |u_T| n (Anitescu, 2006): what slides also lifts off, so it serves impacts only
 
 No solver is believed: every answer carries the natural-map residual of its own model.
 """
@@ -47,7 +47,7 @@ class Answer(NamedTuple):
     u: np.ndarray  # (m, 3) relative motion of the contacts
     residual: float  # natural-map certificate, relative
     solver: str  # whose answer it is
-    states: np.ndarray  # (m,) OFF, HOLDS or SLIPS, to be the guess a moment later
+    states: np.ndarray  # (m,) OFF, HOLDS or SLIPS, or above `friction_polygon.facets`; the guess a moment later
 
 
 class Rough(NamedTuple):
@@ -101,8 +101,11 @@ def solve(problem: Rough, model: str = "exact", sides: int = 4, guess: np.ndarra
     u = (unit.g @ x - unit.d).reshape(-1, 3)
     pressed = (r[::3] > 0.0) | (u[:, 0] <= CLOSED * _scale(unit))
     t = np.hypot(r[1::3], r[2::3])
-    slip = unit.slides | ((t >= (1.0 - FULL) * unit.mu * r[::3]) & (np.hypot(u[:, 1], u[:, 2]) > CLOSED * _scale(unit)))
+    full = (1.0 - FULL) * unit.mu * r[::3] * (np.cos(np.pi / sides) if model == "pyramid" else 1.0)
+    slip = unit.slides | ((t >= full) & (np.hypot(u[:, 1], u[:, 2]) > CLOSED * _scale(unit)))
     states = np.where(pressed, np.where(slip, SLIPS, HOLDS), OFF)
+    if model == "pyramid":
+        states = friction_polygon.facets(unit.slides, u[:, 1:], states, sides, CLOSED * _scale(unit))
     return Answer(r.reshape(-1, 3) / length[:, None], x, u * length[:, None], residual, solver, states)
 
 

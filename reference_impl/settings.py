@@ -24,7 +24,8 @@ class Settings:
         normal impulses) or "energetic" (of the work of the normal impulse, squared; Stronge).  Without friction they
         are the same.  The last two follow one contact at a time through its impact; see `effects.impact.in_turn`.
     friction : str
-        Model of the cone of friction, one of `friction_problem.MODELS`.
+        Model of the cone of friction, one of `friction_problem.MODELS`; "convex" acts at impacts, and contact that
+        lasts has the exact cone, to which its hops tend.
     sides : int
         Of the polygon in place of the circle where friction is "pyramid".
     time_of_contact : str
