@@ -31,6 +31,7 @@ ROUNDING = 1e-13  # what may be left of the rows that are held, relative to |c| 
 REFINEMENTS = 12  # with a kept factor; they end as soon as they gain less than a factor of two
 DOUBTFUL = (1e-13, 1e-9)  # relative eigenvalues of A that are neither zero nor trustworthy
 USABLE = 1e-6  # certificate below which an answer is refused
+MOST = 200_000_000  # numbers in the tables of one problem, 1.6 GB
 RESCUERS = ("dantzig", "nnls", "osqp", "lemke")  # asked in this order after the solver that was chosen
 
 
@@ -91,9 +92,15 @@ def solve(
     Raises
     ------
     NoSolution
-        If no solver reaches a usable certificate.
+        If no solver reaches a usable certificate, or the problem is too large for any.
+    ValueError
+        For a row of zeros: neither of its bodies can move.
     """
+    if len(g) * (len(g) + g.shape[1]) > MOST:
+        raise NoSolution(f"{len(g)} contacts in one problem; allowed: as many as make {MOST} numbers with the motions")
     length = np.sqrt(np.einsum("ij,ij->i", g, g))
+    if not length.all():
+        raise ValueError(f"contact row {int(np.argmin(length))} is zero: neither of its bodies can move")
     unit, least = g / length[:, None], d / length
     if len(d) == 1:
         f = np.maximum(least - unit @ c, 0.0)

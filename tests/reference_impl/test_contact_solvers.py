@@ -279,3 +279,64 @@ def test_solvers_say_nothing(capfd, solver):
 def test_every_name_is_a_solver_with_its_limits():
     assert set(contact_problem.RESCUERS) < set(SOLVERS)
     assert all(solver.__doc__ for solver in SOLVERS.values())
+
+
+def hard_problem(seed):
+    """Up to 40 contacts with every difficulty at once: copies, unit and mass scales from 1e-6 to 1e6, speeds of 1e-17.
+
+    Rank is deficient (few bodies, many contacts), each contact asks for a rate of its own (its own e u⁻), and the whole
+    is measured in units of any size.
+    """
+    rng = np.random.default_rng(seed)
+    n, m = int(rng.integers(1, 5)), int(rng.integers(1, 21))
+    width = 6 * n
+    g = rng.normal(size=(m, width)) * (rng.uniform(size=(m, width)) < 0.6) * 10.0 ** rng.uniform(-1.5, 1.5, width)
+    g[:, 0] += 1e-3 * rng.normal(size=m)
+    kind = rng.integers(4)
+    if kind == 1:  # the same contact up to a hundred times
+        g = np.repeat(g[:3], rng.integers(1, 34, len(g[:3])), axis=0)[:100]
+    if kind == 2:  # of low rank: all rows from three directions
+        g = np.abs(rng.normal(size=(m, 3))) @ rng.normal(size=(3, width))
+    g *= 10.0 ** rng.uniform(-6.0, 6.0)
+    c = rng.normal(size=width) * 10.0 ** rng.uniform(-6.0, 6.0)
+    d = g @ c + np.abs(g @ rng.normal(size=width) * np.abs(c).max()) * rng.uniform(-1.0, 0.0)
+    if kind == 3:  # nothing approaches, or hardly anything
+        d = g @ c + np.linalg.norm(g, axis=1) * np.abs(c).max() * rng.choice([1e-17, -1e-17, 0.0], m)
+    return g, c, d
+
+
+@pytest.mark.parametrize("asked", SOLVERS)
+def test_hard_problems_are_solved_whoever_is_asked_or_refused(asked):
+    """150 of 1,050 for each solver: 0 <= f, G x >= d, and work done by none of the contacts, at any scale."""
+    answered = 0
+    for seed in range(150):
+        g, c, d = hard_problem(seed)
+        try:
+            answer = solve(g, c, d, asked)
+        except NoSolution:
+            continue
+        answered += 1
+        length = np.linalg.norm(g, axis=1)
+        scale = max(np.linalg.norm(c), np.abs(d / length).max())
+        assert answer.residual <= GOOD
+        f, a = answer.f * length, answer.a / length
+        assert f.min() >= -GOOD * scale
+        assert np.minimum(f, (g @ answer.x - d) / length).min() >= -1e-9 * scale
+        assert a == pytest.approx((g @ answer.x - d) / length, abs=1e-9 * scale)
+        # the motion is what the forces make of c
+        assert np.abs(answer.x - c - g.T @ answer.f).max() <= 1e-6 * scale
+    assert answered >= 145
+
+
+def test_contacts_between_bodies_that_nothing_moves_have_no_say():
+    """A contact row of bodies that both have infinite mass is zero; it is refused, not divided by."""
+    g = np.array([[1.0, 0.0], [0.0, 0.0]])
+    with pytest.raises(ValueError, match="row 1 is zero"):
+        solve(g, np.array([-1.0, 0.0]), np.zeros(2))
+
+
+def test_more_contacts_than_fit_are_refused_at_once():
+    """A hundred thousand contacts in one problem would need tables of 80 GB: it says so."""
+    g = np.broadcast_to(np.array([1.0, 0.0, 0.0]), (100_000, 3))
+    with pytest.raises(NoSolution, match="100000 contacts"):
+        solve(g, np.array([-1.0, 0.0, 0.0]), np.zeros(100_000))
