@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import Any
 
 from adapters import registry
-from adapters.run import Run, run
+from adapters.run import Run, checked_settings, prepare, run
 from benchmarks.row import Beside
 from mechanics.scene import Scene
 
@@ -28,6 +31,27 @@ def alongside(
 ) -> tuple[Beside, ...]:
     """What each engine makes of a scene: its error, and what that cost."""
     return tuple(_beside(name, scene, times, error, repeats) for name in engines)
+
+
+def unread(scene: Scene, times: Sequence[float], engine: str = REFERENCE) -> float:
+    """Wall time from each of `times` to the next, where nobody reads a state [s]; the least of two, after a warm-up.
+
+    The reference is called without its adapter, which asks it for the state every time.
+    """
+    chosen, spent = registry.engine(engine), []
+    for _ in range(3):
+        draft, _notes = prepare(chosen, scene)
+        world = chosen.start(draft, checked_settings(chosen, None))
+        advance: Callable[[Any, float], None] = chosen.advance
+        if engine == REFERENCE:
+            from reference_impl.simulate import advance
+        begun = time.perf_counter()
+        for before, after in pairwise(times):
+            advance(world, after - before)
+        spent.append(time.perf_counter() - begun)
+        if hasattr(chosen, "close"):
+            chosen.close(world)
+    return min(spent[1:])
 
 
 def beside(found: Run, error: Callable[[Run], float]) -> Beside:

@@ -36,11 +36,14 @@ class Kernel:
     function : function
     within : bool
         Whether its code becomes part of every kernel that calls it.
+    lean : bool
+        Whether it only works in arrays that it is given: no references to them are counted then, and numba refuses
+        to compile what makes arrays of its own.
     """
 
-    def __init__(self, function: FunctionType, within: bool = False) -> None:
+    def __init__(self, function: FunctionType, within: bool = False, lean: bool = False) -> None:
         functools.update_wrapper(self, function)
-        self.function, self.within = function, within
+        self.function, self.within, self.lean = function, within, lean
 
     def __call__(self, *args: Any) -> Any:
         return self.compiled(*args)
@@ -49,7 +52,7 @@ class Kernel:
     def compiled(self) -> Callable[..., Any]:
         """Numba's dispatcher of the function."""
         _loaded_without_blas()
-        dispatcher = njit(error_model="numpy", forceinline=self.within)(self.function)
+        dispatcher = njit(error_model="numpy", forceinline=self.within, _nrt=not self.lean)(self.function)
         dispatcher._cache = FunctionCache(self.function)
         dispatcher._cache._cache_file._source_stamp = self.stamp()
         return dispatcher
@@ -59,7 +62,7 @@ class Kernel:
         found = [self]
         digest = hashlib.sha256()
         for one in found:  # grows on the way
-            digest.update(one.function.__qualname__.encode())
+            digest.update(one.function.__qualname__.encode() + (b" lean" if one.lean else b""))
             for code in _codes(one.function.__code__):
                 digest.update(code.co_code)
                 digest.update(repr([c for c in code.co_consts if not isinstance(c, CodeType)]).encode())
@@ -91,7 +94,9 @@ def _loaded_without_blas() -> None:
 
 kernel: Callable[[Any], Any] = (lambda function: function) if config.DISABLE_JIT else Kernel
 # for the smallest: a call would hand over every array as a dozen numbers, which costs more than what they do
-inlined: Callable[[Any], Any] = kernel if config.DISABLE_JIT else functools.partial(Kernel, within=True)
+inlined: Callable[[Any], Any] = kernel if config.DISABLE_JIT else functools.partial(Kernel, within=True, lean=True)
+# for loops of many small calls: counting who holds which array takes a third of the time of such a loop
+lean: Callable[[Any], Any] = kernel if config.DISABLE_JIT else functools.partial(Kernel, lean=True)
 
 
 @typeof_impl.register(Kernel)

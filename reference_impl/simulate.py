@@ -104,6 +104,8 @@ def advance(world: World, duration: float) -> None:
     since, turns = world.t, 0
     while world.t < target:
         if world.dirty.any():
+            world.arrive()
+            world.recall()
             settle(world)
             lasting.embark(world, _next_switch(world))
         if not world.dirty.any():  # else impulses have taken the place of forces, at this very time
@@ -126,10 +128,11 @@ def _move(world: World, target: float, events: int) -> None:
     limit = min(target, _next_switch(world), world.horizon())
     met: Sequence[int] = ()
     if world.flock is not None and not (world.mode == HELD).any():
-        time, met, bounced = world.flock.run(world, limit, events)
-        world.carry(time)
-        if bounced:
-            world.forget(np.ones(len(world.dirty), dtype=bool))
+        time, met = world.flock.run(world, limit, events)
+        world.wait(time)
+    elif world.untouchable:
+        time = limit
+        world.wait(time)
     else:
         time, pair = world.first_hit(limit)
         if pair >= 0 and not lasting.cut(world, pair, time):
@@ -139,11 +142,12 @@ def _move(world: World, target: float, events: int) -> None:
         if pair >= 0:
             met = world.detector.pairs[pair].tolist()
             world.clear[pair], world.hits[pair] = time, False
+        world.renew()
     if len(met):
         world.dirty[list(met)] = True
     elif time == _next_switch(world, before=time):
+        world.arrive()
         _switch(world)
-    world.renew()
 
 
 def _next_switch(world: World, before: float | None = None) -> float:

@@ -57,6 +57,8 @@ class World:
     dirty: np.ndarray = field(init=False)  # bodies whose contacts must be looked at now
     clear: np.ndarray = field(init=False)  # (pairs,) until when each pair cannot touch [s]
     hits: np.ndarray = field(init=False)  # (pairs,) whether it does then
+    seen: float = -math.inf  # until when `clear` and `hits` know what the flock has seen [s]
+    behind: bool = False  # whether bodies in flight have not been brought to time t yet
     moving: bool = field(init=False)  # whether some fixed body moves
     knows_work: bool = field(init=False)  # see `audit.knows_work`
     energy: np.ndarray = field(init=False)  # (n,) when a body's contacts were last looked at [J]; NaN: not known
@@ -136,12 +138,14 @@ class World:
 
     def angular_velocities(self) -> np.ndarray:
         """World angular velocities (n, 3) [rad/s]."""
+        self.arrive()
         w = np.empty((len(self.mode), 3))
         spins(self.motion.q, self.bodies.inverse_inertia, self.motion.L, w)
         return w
 
     def state(self) -> State:
         """State of all bodies now, in scene order."""
+        self.arrive()
         m = self.motion
         return State(m.t, m.x.copy(), m.q.copy(), m.v.copy(), self.angular_velocities())
 
@@ -185,6 +189,28 @@ class World:
             self.clear[touched] = self.t
             self.hits[touched] = False
 
+    @property
+    def untouchable(self) -> bool:
+        """Whether all bodies fly without torques and can touch nothing: they need not be looked at until asked for."""
+        return not len(self.clear) and not self.courses and not self.bodies.twisted.any() and not self.mode.any()
+
+    def wait(self, t: float) -> None:
+        """Let the time be t; bodies in flight are brought there when someone looks."""
+        self.motion.t, self.behind = t, True
+
+    def arrive(self) -> None:
+        """Bring bodies in flight to where they are by now."""
+        if not self.behind:
+            return
+        if self.flock is not None:
+            self.flock.give(self)
+        self.carry(self.t)
+
+    def recall(self) -> None:
+        """Let all pairs be clear until now if the flock, which looks for contacts of its own, has seen to it."""
+        if self.flock is not None and self.flock.seen > self.seen:
+            self.clear[:], self.hits[:], self.seen = self.flock.seen, False, self.flock.seen
+
     def carry(self, t: float) -> None:
         """Bring the state of every body to time t of its segment."""
         if not len(self.clear):
@@ -194,7 +220,7 @@ class World:
         for i in np.flatnonzero(b.twisted):
             if self.mode[i] == FLYING:
                 m.L[i] = driven_momentum(t - m.begin[i], b.inertia[i], m.x_series[i], m.q_series[i])
-        m.t = t
+        m.t, self.behind = t, False
 
     def renew(self) -> None:
         """Continue the flights whose polynomials end now."""

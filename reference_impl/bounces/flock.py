@@ -24,6 +24,7 @@ EFFECTS = {Gravity, Rotation, Drag, Force, Restitution, Friction, Resting}  # wi
 FEW = 24  # bodies up to which everyone looks at everyone, without cells
 ROOMY = 0.7  # edge of a cell, in units of the room that a body has on average
 LARGER = 2.0  # spheres by this factor larger than most others belong to no cell
+FEWEST, CELLS = 4, 8  # cells along an edge of the grid (three in a row are not to be one), and for each body
 TURNS = 500_000  # turns of the loop between two looks at the keyboard
 CROSSINGS = 100  # turns allowed for each event that is allowed
 
@@ -56,6 +57,7 @@ class Flock:
 
     def __init__(self, world: World) -> None:
         b, n = world.bodies, len(world.mode)
+        self.seen = -math.inf  # until when no two met without its knowing [s]
         self.time = math.nan  # up to which everything here is as in the world [s]
         self.fresh = np.ones(n, dtype=bool)  # bodies that were launched since
         self.real, self.whole = np.zeros((n, queue.REALS)), np.zeros((n, queue.WHOLES), dtype=np.int64)
@@ -66,6 +68,8 @@ class Flock:
             self.real[:, column] = math.inf
         self.whole[:, queue.WALL] = b.shape == PLANE
         self.whole[:, queue.PARTNER] = queue.NOBODY
+        self.real[:, queue.FORESEEN] = world.foreseen
+        world.foreseen = self.real[:, queue.FORESEEN]
         self._grid(world)
         self._tree(n)
         self._laws(world)
@@ -78,7 +82,7 @@ class Flock:
         self.figures[loop.SCALE] = world.scales.time
         self.near, self.also = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
         self.desk, self.beside = np.empty((n + 1, 6)), np.empty((n + 1, 6))
-        self.work, self.normal = np.empty((3, 3)), np.empty(3)
+        self.work, self.normal = np.empty((5, 6)), np.empty(3)
         rough = bool(self.friction.any())
         self.kernel = loop.bounces(rough or Rotation in world.scene.needs, rough)
 
@@ -96,11 +100,14 @@ class Flock:
             extent = np.maximum(np.ptp(world.motion.x[inside], axis=0), widest)
             # rounding must not let two that touch be two cells apart
             self.cell = max(1.0001 * widest, ROOMY * float(np.prod(extent) / inside.sum()) ** (1.0 / 3.0))
+            edges = np.maximum(2 ** np.ceil(np.log2(extent / self.cell)).astype(np.int64), FEWEST)
+            while edges.prod() > CELLS * n and edges.max() > FEWEST:
+                edges[np.argmax(edges)] //= 2
         else:
-            outside, self.cell = np.ones(n, dtype=bool), 1.0
+            outside, self.cell, edges = np.ones(n, dtype=bool), 1.0, np.full(3, FEWEST)
         self.whole[:, queue.EVERYWHERE] = outside
         self.everywhere = np.flatnonzero(outside)
-        self.head = np.full(1 << max(4, int(2 * n).bit_length()), queue.NOBODY)
+        self.head = np.full(tuple(edges.tolist()), queue.NOBODY)
 
     def _tree(self, n: int) -> None:
         leaves = 1 << max(1, (n - 1).bit_length())
@@ -132,22 +139,12 @@ class Flock:
                      self.figures, self.counts)  # fmt: skip
         self.fresh[:] = False
 
-    def _give(self, world: World) -> bool:
-        """The world's segments of the bodies that have bounced; False if none has."""
-        m, real, which = world.motion, self.real, np.flatnonzero(self.whole[:, queue.CHANGED])
-        if len(which) == 0:
-            return False
-        x, v = real[which, queue.X : queue.X + 3], real[which, queue.V : queue.V + 3]
-        m.x_series[which, 0] = x - real[which, queue.BEGIN_REST, None] * v
-        m.x_series[which, 1] = v
-        m.q_series[which, 0] = real[which, queue.Q : queue.Q + 4]
-        m.L[which] = m.start[which] = real[which, queue.L : queue.L + 3]
-        m.begin[which] = real[which, queue.BEGIN]
-        self.whole[which, queue.CHANGED] = 0
-        world.energy[which] = math.nan  # they have exchanged it
-        return True
+    def give(self, world: World) -> None:
+        """Let the world know the segments of the bodies that have bounced."""
+        m = world.motion
+        loop.hand_over(self.real, self.whole, m.x_series, m.q_series, m.L, m.start, m.begin, world.energy)
 
-    def run(self, world: World, limit: float, events: int) -> tuple[float, tuple[int, ...], bool]:
+    def run(self, world: World, limit: float, events: int) -> tuple[float, tuple[int, ...]]:
         """Carry the segments on until `limit` [s], or to a meeting that is not an isolated bounce.
 
         Parameters
@@ -157,7 +154,7 @@ class Flock:
 
         Returns
         -------
-        time [s], the two bodies that meet then (none at the limit), whether any body has bounced
+        time [s], the two bodies that meet then (none at the limit)
 
         Raises
         ------
@@ -175,7 +172,6 @@ class Flock:
         self.counts[:] = 0
         if self.fresh.any():
             self._take(world)
-        self.real[:, queue.FORESEEN] = world.foreseen
         self.counts[loop.RECORDED] = len(record)
         end, turns = loop.PAUSED, 0
         while end == loop.FULL or (end == loop.PAUSED and self.counts[loop.EVENTS] < events):
@@ -190,13 +186,12 @@ class Flock:
             if turns > CROSSINGS * (world.settings.events + TURNS):
                 raise Stalled("bodies in flight change cells for ever", float(f[loop.NOW]))
         self._report(world, *self.counts[:2].tolist(), *f[[loop.DEEPEST, loop.RISE, loop.IMBALANCE]].tolist())
-        world.foreseen[:] = self.real[:, queue.FORESEEN]
         world.search.evaluations += int(self.counts[loop.SEARCHES])
         met = () if end != loop.MEETING else (int(self.counts[loop.FIRST]), int(self.counts[loop.SECOND]))
-        self.time = float(f[loop.NOW])
-        return self.time, met, self._give(world)
+        self.time = self.seen = float(f[loop.NOW])
+        return self.time, met
 
-    def _run_line(self, world: World, line: Line, limit: float, events: int) -> tuple[float, tuple[int, ...], bool]:
+    def _run_line(self, world: World, line: Line, limit: float, events: int) -> tuple[float, tuple[int, ...]]:
         """`run` where all bodies are on one line."""
         audit, record, m = world.audit, world.events, world.motion
         group = self.whole[line.who, queue.GROUP]
@@ -219,7 +214,8 @@ class Flock:
             world.energy[line.who] = math.nan  # they have exchanged it
             for i in line.who.tolist():
                 world.launch(i)
-        return float(clock[TIME]), met, bool(counts[0])
+            self.seen = world.t
+        return float(clock[TIME]), met
 
     def _report(self, world: World, events: int, recorded: int, deepest: float, rise: float, imbalance: float) -> None:
         """What was done, on record and in the audit."""

@@ -60,9 +60,12 @@ class Line:
 def line_of(world: World, rough: bool) -> Line | None:
     """The bodies of the world as a line, if that is what they are: no loads, and all motion along one axis."""
     m, b = world.motion, world.bodies
+    if b.acceleration.any() or (world.mode == STILL).any():
+        return None
+    world.arrive()
     spheres = b.shape != PLANE
     free = np.flatnonzero(spheres)
-    if not 0 < len(free) <= LONGEST or b.acceleration.any() or (world.mode == STILL).any():
+    if not 0 < len(free) <= LONGEST:
         return None
     if rough and m.L.any():  # spin would push them off the line
         return None

@@ -54,7 +54,7 @@ from reference_impl.bounces.queue import (
     schedule,
 )
 from reference_impl.collisions import GRAIN, NOISE, SAME_REST
-from reference_impl.kernels import dot, inlined, kernel, norm, turned
+from reference_impl.kernels import inlined, lean
 from reference_impl.time_of_contact import parabola, spheres_meet
 
 # how the loop ends: at its limit; at a meeting that it leaves to others; out of budget; without room for the record
@@ -68,23 +68,25 @@ EVENTS, RECORDED, SEARCHES, FIRST, SECOND = range(5)
 COUNTS = 5
 
 ROUNDING = 16.0 * 2.0**-52  # of a gap, relative to the coordinates it is the difference of
+CLEARLY = 1.0 - 1e-6  # what is less by this factor is less, whatever rounding has done
 LOOKS = 60  # steps towards a meeting on curved relative paths, before it is looked at again later
 
 
-@kernel
-def _curved_meeting(r, v, pull, radii, quiet, tolerance, most):
+@lean
+def _curved_meeting(work, radii, quiet, tolerance, most):
     """When two spheres meet that are accelerated differently [s], and whether they do then; at most `most`.
 
     Conservative advancement along the line of centres, on which gap'' >= -|pull|.
     """
-    k, t = norm(pull), 0.0
-    here, speed = np.empty(3), np.empty(3)
+    k, t = math.sqrt(work[2, 0] ** 2 + work[2, 1] ** 2 + work[2, 2] ** 2), 0.0
     for _ in range(LOOKS):
+        square = approach = 0.0
         for c in range(3):
-            here[c] = r[c] + t * (v[c] + 0.5 * pull[c] * t)
-            speed[c] = v[c] + pull[c] * t
-        distance = norm(here)
-        gap, rate = distance - radii, dot(here, speed) / distance
+            r = work[0, c] + t * (work[1, c] + 0.5 * work[2, c] * t)
+            square += r * r
+            approach += r * (work[1, c] + work[2, c] * t)
+        distance = math.sqrt(square)
+        gap, rate = distance - radii, approach / distance
         room = gap if rate > quiet else max(gap, 0.0)
         if gap <= tolerance and abs(rate) <= quiet:
             room += tolerance
@@ -113,6 +115,9 @@ def _meeting(real, whole, i, k, desk, at, work, quiet, tolerance, most):
             gap += n * (desk[me, c] - desk[at, c])
             rate += n * desk[me, 3 + c]
             pull += n * real[i, A + c]
+        # a first glance that only excludes what is clear beyond rounding
+        if gap * CLEARLY > -most * (min(rate, 0.0) + 0.5 * most * min(pull, 0.0)):
+            return most, False
         if gap <= tolerance and abs(rate) <= quiet and pull >= 0.0:
             return most, False
         return parabola(gap, rate, pull), True
@@ -126,8 +131,9 @@ def _meeting(real, whole, i, k, desk, at, work, quiet, tolerance, most):
         straight = straight and real[i, A + c] == real[k, A + c]
     radii = real[i, RADIUS] + real[k, RADIUS]
     if straight:
-        # a first glance that only excludes what is clear beyond rounding
-        if approach >= 0.0 or approach * approach < (1.0 - 1e-6) * speed * (square - radii * radii):
+        # the same: they pass each other, or take longer than if they came head on
+        excess = CLEARLY * (square - radii * radii)
+        if approach >= 0.0 or approach * approach < speed * excess or excess > -2.0 * approach * most:
             return most, False
         if approach >= -quiet * math.sqrt(square):
             return most, False
@@ -136,10 +142,10 @@ def _meeting(real, whole, i, k, desk, at, work, quiet, tolerance, most):
         work[2, c] = real[i, A + c] - real[k, A + c]
     if straight:
         return spheres_meet(work[0], work[1], radii), True
-    return _curved_meeting(work[0], work[1], work[2], radii, quiet, tolerance, most)
+    return _curved_meeting(work, radii, quiet, tolerance, most)
 
 
-@kernel
+@lean
 def _predict(real, whole, i, near, count, desk, work, figures, counts, fresh):
     """Next meeting of body i among the first `count` of `near`; without `fresh`, of these and those it knew before.
 
@@ -149,12 +155,12 @@ def _predict(real, whole, i, near, count, desk, work, figures, counts, fresh):
     if fresh:
         real[i, HIT], real[i, HIT_REST] = np.inf, 0.0
         whole[i, PARTNER] = NOBODY
+    counts[SEARCHES] += count
     most = (real[i, HIT] - hi) + (real[i, HIT_REST] - lo)
     found, touches = NOBODY, False
     for at in range(count):
         k = near[at]
         s, meets = _meeting(real, whole, i, k, desk, at, work, figures[QUIET], figures[TOLERANCE], most)
-        counts[SEARCHES] += 1
         if s < most:
             most, found, touches = s, k, meets
     if found == NOBODY:
@@ -168,7 +174,7 @@ def _predict(real, whole, i, near, count, desk, work, figures, counts, fresh):
     whole[i, PARTNER], whole[i, STAMP] = (found, whole[found, COUNT]) if touches else (NOBODY, 0)
 
 
-@kernel
+@lean
 def _gather(real, whole, head, everywhere, i, entered, figures, near, desk):
     """Bodies around i and where they are now, as `_predict` reads them; returns how many."""
     hi, lo = figures[NOW], figures[NOW_REST]
@@ -179,7 +185,7 @@ def _gather(real, whole, head, everywhere, i, entered, figures, near, desk):
     return count
 
 
-@kernel
+@lean
 def _touches_another(real, whole, i, partner, near, count, desk, quiet):
     """Whether a body other than the partner touches i now and does not part from it."""
     me = len(desk) - 1
@@ -213,7 +219,7 @@ def _touches_another(real, whole, i, partner, near, count, desk, quiet):
     return False
 
 
-@kernel
+@lean
 def _normal(real, whole, a, b, at_a, at_b, n):
     """Unit normal from b to a; returns their gap [m] and its rate [m/s]."""
     gap, rate = -real[a, RADIUS], 0.0
@@ -234,7 +240,7 @@ def _normal(real, whole, a, b, at_a, at_b, n):
     return distance + gap - real[b, RADIUS], rate
 
 
-@kernel
+@lean
 def _ends_here(real, whole, a, b, n, at_a, at_b, gap, rate, e, figures):
     """Whether the bodies would stay together after this bounce, or would not come back from a last one.
 
@@ -265,7 +271,7 @@ def _ends_here(real, whole, a, b, n, at_a, at_b, gap, rate, e, figures):
     return False
 
 
-@kernel
+@lean
 def _energy(real, i, state):
     """Kinetic energy of a body that moves as its row of a desk says [J]."""
     if real[i, LIGHT] == 0.0:
@@ -317,23 +323,22 @@ def imbalance(real, a, b, at_a, at_b, n, impulse, was):
     return max(worst, lost / there)
 
 
-@kernel
-def _rub(real, a, b, n, at_a, at_b, rate, p, mu, impulse):
+@lean
+def _rub(real, a, b, n, at_a, at_b, rate, p, mu, impulse, slip):
     """Add the tangential impulse of two spheres whose normal impulse is p: it stops the slip, or is mu p.
 
-    It is added to `impulse`, too.
+    It is added to `impulse`, too, and left in `slip`.
 
     At a sphere the tangential mobility 1/m + r²/I is the same in every direction, and normal and tangential
     impulses do not act on each other.
     """
-    slip = np.empty(3)
     for c in range(3):
         d, e = (c + 1) % 3, (c + 2) % 3
         turn = 0.0  # ω × r of both, with r = -R n and + R n
         for i in (a, b):
             turn -= real[i, TURN] * real[i, RADIUS] * (real[i, L + d] * n[e] - real[i, L + e] * n[d])
         slip[c] = at_a[3 + c] - at_b[3 + c] - rate * n[c] + turn
-    size = norm(slip)
+    size = math.sqrt(slip[0] * slip[0] + slip[1] * slip[1] + slip[2] * slip[2])
     if size == 0.0:
         return
     mobility = 0.0
@@ -353,18 +358,26 @@ def _rub(real, a, b, n, at_a, at_b, rate, p, mu, impulse):
                 real[i, L + c] -= real[i, RADIUS] * lever
 
 
-@kernel
+@lean
 def _turn(real, i, s):
-    """Turn body i as its momentum does in s seconds."""
-    angle = np.empty(3)
-    for c in range(3):
-        angle[c] = real[i, TURN] * real[i, L + c] * s
-    q = turned(real[i, Q : Q + 4], angle)
-    for c in range(4):
-        real[i, Q + c] = q[c]
+    """Turn body i as its momentum does in s seconds: `kernels.turned`, in place."""
+    x, y, z = real[i, TURN] * real[i, L] * s, real[i, TURN] * real[i, L + 1] * s, real[i, TURN] * real[i, L + 2] * s
+    half = 0.5 * math.sqrt(x * x + y * y + z * z)
+    c = math.cos(half)
+    s = 0.5 if half == 0.0 else 0.5 * math.sin(half) / half
+    x, y, z = s * x, s * y, s * z
+    a, b, f, g = real[i, Q], real[i, Q + 1], real[i, Q + 2], real[i, Q + 3]
+    a, b, f, g = (
+        c * a - x * b - y * f - z * g,
+        c * b + x * a + y * g - z * f,
+        c * f - x * g + y * a + z * b,
+        c * g + x * f - y * b + z * a,
+    )
+    size = math.sqrt(a * a + b * b + f * f + g * g)
+    real[i, Q], real[i, Q + 1], real[i, Q + 2], real[i, Q + 3] = a / size, b / size, f / size, g / size
 
 
-@kernel
+@lean
 def _begin_again(real, whole, i, state, hi, lo):
     """Body i flies on from what its row of a desk says."""
     for c in range(3):
@@ -374,7 +387,7 @@ def _begin_again(real, whole, i, state, hi, lo):
     whole[i, CHANGED] = 1
 
 
-@kernel
+@lean
 def refresh(real, whole, head, tree, everywhere, near, desk, work, fresh, figures, counts):
     """Cells and next events of the bodies `fresh`, whose motion is new."""
     hi, lo, cell = figures[NOW], figures[NOW_REST], figures[CELL_SIZE]
@@ -396,6 +409,23 @@ def refresh(real, whole, head, tree, everywhere, near, desk, work, fresh, figure
         schedule(real, tree, i)
 
 
+@lean
+def hand_over(real, whole, x_series, q_series, momentum, start, begin, energy):
+    """Write the segments of the bodies whose motion Python does not know yet."""
+    for i in range(len(whole)):
+        if whole[i, CHANGED] == 0:
+            continue
+        whole[i, CHANGED] = 0
+        for c in range(3):
+            x_series[i, 0, c] = real[i, X + c] - real[i, BEGIN_REST] * real[i, V + c]
+            x_series[i, 1, c] = real[i, V + c]
+            momentum[i, c] = start[i, c] = real[i, L + c]
+        for c in range(4):
+            q_series[i, 0, c] = real[i, Q + c]
+        begin[i] = real[i, BEGIN]
+        energy[i] = np.nan  # it has been exchanged
+
+
 @cache
 def bounces(turning: bool, rough: bool) -> Any:
     """The loop for scenes where bodies turn or do not, and where contact is rough or not.
@@ -403,13 +433,13 @@ def bounces(turning: bool, rough: bool) -> Any:
     Returns a kernel; see `Flock.run` for what it is given.
     """
 
-    @kernel
+    @lean
     def run(
         real, whole, head, tree, everywhere, restitution, friction, near, also, desk, beside, work, n, ends, numbers,
         figures, counts, limit, events, turns
     ):  # fmt: skip
         quiet = figures[QUIET]
-        impulse, was = work[0], np.empty((2, 6))
+        impulse, slip, was = work[0], work[1], work[3:5]
         for _ in range(turns):
             i = tree[1]
             hi, lo = real[i, DUE], real[i, DUE_REST]
@@ -465,7 +495,7 @@ def bounces(turning: bool, rough: bool) -> Any:
                 impulse[c] = p * n[c]
             if rough:
                 # before the normal impulse, which does not change the slip
-                _rub(real, a, b, n, at_a, at_b, rate, p, friction[whole[a, GROUP], whole[b, GROUP]], impulse)
+                _rub(real, a, b, n, at_a, at_b, rate, p, friction[whole[a, GROUP], whole[b, GROUP]], impulse, slip)
             row = counts[RECORDED]
             ends[row, 0], ends[row, 1] = a, b
             numbers[row, 0], numbers[row, 7] = hi + lo, p

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from reference_impl.kernels import inlined, kernel
+from reference_impl.kernels import inlined, lean
 from reference_impl.time_of_contact import parabola
 
 X, V, A = 0, 3, 6  # position, velocity and acceleration
@@ -50,7 +50,7 @@ def earlier(real, i, j):
     return real[i, DUE_REST] < real[j, DUE_REST]
 
 
-@kernel
+@lean
 def schedule(real, tree, i):
     """Put the next event of body i in its place; the first of all is tree[1]."""
     if real[i, CROSS] < real[i, HIT]:
@@ -60,17 +60,20 @@ def schedule(real, tree, i):
     node = (i + len(tree) // 2) >> 1
     while node > 0:
         first, second = tree[2 * node], tree[2 * node + 1]
-        tree[node] = second if second != NOBODY and earlier(real, second, first) else first
+        winner = second if second != NOBODY and earlier(real, second, first) else first
+        if winner == tree[node] and winner != i:
+            return  # further up nothing has changed
+        tree[node] = winner
         node >>= 1
 
 
 @inlined
 def bucket(head, x, y, z):
-    """Bucket of the cell x, y, z; the number of buckets is a power of two."""
-    return ((x * 73856093) ^ (y * 19349663) ^ (z * 83492791)) & (len(head) - 1)
+    """Place of the cell x, y, z in `head`, whose edges are powers of two."""
+    return x & (head.shape[0] - 1), y & (head.shape[1] - 1), z & (head.shape[2] - 1)
 
 
-@kernel
+@lean
 def leave(whole, head, i):
     """Take body i out of its cell."""
     after, before = whole[i, NEXT], whole[i, BEFORE]
@@ -82,7 +85,7 @@ def leave(whole, head, i):
         head[bucket(head, whole[i, CELL], whole[i, CELL + 1], whole[i, CELL + 2])] = after
 
 
-@kernel
+@lean
 def enter(whole, head, i):
     """Put body i into the cell its row names."""
     at = bucket(head, whole[i, CELL], whole[i, CELL + 1], whole[i, CELL + 2])
@@ -92,7 +95,7 @@ def enter(whole, head, i):
     head[at] = i
 
 
-@kernel
+@lean
 def next_cell(real, whole, i, desk, at, hi, lo, cell):
     """Find when body i, now at row `at` of `desk`, leaves its cell of edge `cell` [m], and by which side."""
     real[i, CROSS] = np.inf
@@ -108,7 +111,7 @@ def next_cell(real, whole, i, desk, at, hi, lo, cell):
             whole[i, SIDE] = 2 * c + (1 if above < below else 0)
 
 
-@kernel
+@lean
 def cross_over(whole, head, i):
     """Move body i to the next cell by the side it leaves."""
     leave(whole, head, i)
@@ -117,11 +120,12 @@ def cross_over(whole, head, i):
     enter(whole, head, i)
 
 
-@kernel
+@lean
 def around(whole, head, everywhere, i, entered, near):
     """Bodies that i may meet before it or they change cells, into `near`; returns how many.
 
-    With `entered`, only those in the cells that have come near since it entered its cell.
+    With `entered`, only those in the cells that have come near since it entered its cell.  Cells that are a
+    multiple of an edge of `head` apart share a list: who is far off is looked at in vain, and nobody twice.
     """
     count = 0
     if whole[i, EVERYWHERE] == 1:
@@ -140,17 +144,17 @@ def around(whole, head, everywhere, i, entered, near):
             y0 = y1 = edge
         else:
             z0 = z1 = edge
-    else:
-        for k in everywhere:
-            near[count] = k
-            count += 1
     for x in range(whole[i, CELL] + x0, whole[i, CELL] + x1 + 1):
         for y in range(whole[i, CELL + 1] + y0, whole[i, CELL + 1] + y1 + 1):
             for z in range(whole[i, CELL + 2] + z0, whole[i, CELL + 2] + z1 + 1):
                 k = head[bucket(head, x, y, z)]
                 while k != NOBODY:
-                    if k != i and whole[k, CELL] == x and whole[k, CELL + 1] == y and whole[k, CELL + 2] == z:
+                    if k != i:
                         near[count] = k
                         count += 1
                     k = whole[k, NEXT]
+    if not entered:
+        for at in range(len(everywhere)):
+            near[count] = everywhere[at]
+            count += 1
     return count
