@@ -9,6 +9,7 @@ from mechanics.effects import Force, Friction, Gravity, Resting, Restitution, Ro
 from mechanics.rotation import normalised
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
+from reference_impl.bounces import queue
 from reference_impl.errors import MissingEffect, Stalled
 from reference_impl.settings import Settings
 from reference_impl.simulate import advance, begin, simulate
@@ -187,6 +188,45 @@ def test_a_great_sphere_among_small_ones_is_in_no_cell():
     with_loop, without = both(Scene((*lid, *small, great), (Restitution(0.9), Gravity())), 0.5)
     assert any(len(with_loop.scene.bodies) - 1 in (e.a, e.b) for e in with_loop.events)
     assert_same(with_loop, without, 1e-10)
+
+
+def test_bodies_a_whole_grid_apart_share_a_list():
+    """A ball comes from far outside the grid, through cells whose lists hold bodies that are nowhere near."""
+    cloud = balls(30, 17, 1.4, speed=0.2)
+    place = np.array(cloud[0].position) + 0.75 * np.array(cloud[0].velocity) - (15.0, 0.02, 0.01)
+    shot = Body("shot", Sphere(0.06), 1.0, tuple(place), velocity=(20.0, 0.0, 0.0))
+    with_loop, without = both(Scene((*cloud, shot), (Restitution(1.0),)), 1.0)
+    assert with_loop.flock.head.shape[0] * with_loop.flock.cell < 10.0
+    assert any(30 in (e.a, e.b) for e in with_loop.events)
+    assert_same(with_loop, without, 1e-9)
+
+
+def test_the_cells_list_everybody_near_and_nobody_twice():
+    world = begin(Scene((*room(1.4), *balls(60, 19, 1.4, (0.02, 0.04))), (Restitution(1.0),)))
+    advance(world, 0.5)
+    flock, near = world.flock, np.empty(66, dtype=np.int64)
+    cells = flock.whole[:, queue.CELL : queue.CELL + 3]
+    for i in range(6, 66):
+        count = queue.around(flock.whole, flock.head, flock.everywhere, i, False, near)
+        listed = near[:count].tolist()
+        close = [k for k in range(6, 66) if k != i and abs(cells[k] - cells[i]).max() <= 1]
+        assert len(set(listed)) == count
+        assert set(listed) >= {*close, *range(6)}
+
+
+def test_a_state_is_the_same_whenever_it_is_asked_for():
+    """Bodies in flight wait until someone looks; looking twice, or not until the end, changes no bit."""
+    scene = Scene((*room(1.4), *balls(30, 23, 1.4, spin=3.0)), (Restitution(0.95), Gravity(), Rotation()))
+    asked, left = begin(scene), begin(scene)
+    for _ in range(20):
+        advance(asked, 0.02)
+        once, twice = asked.state(), asked.state()
+        assert np.array_equal(once.x, twice.x)
+        advance(left, 0.02)
+    assert left.behind
+    assert not asked.behind
+    for name in ("x", "q", "v", "w"):
+        assert np.array_equal(getattr(asked.state(), name), getattr(left.state(), name)), name
 
 
 def test_a_force_that_begins_on_the_way():
