@@ -307,7 +307,7 @@ def hard_problem(seed):
 
 @pytest.mark.parametrize("asked", SOLVERS)
 def test_hard_problems_are_solved_whoever_is_asked_or_refused(asked):
-    """150 of 1,050 for each solver: 0 <= f, G x >= d, and work done by none of the contacts, at any scale."""
+    """The same 150 for every solver that is asked first: 0 <= f, G x >= d, f·(G x - d) = 0 at any scale."""
     answered = 0
     for seed in range(150):
         g, c, d = hard_problem(seed)
@@ -321,7 +321,7 @@ def test_hard_problems_are_solved_whoever_is_asked_or_refused(asked):
         assert answer.residual <= GOOD
         f, a = answer.f * length, answer.a / length
         assert f.min() >= -GOOD * scale
-        assert np.minimum(f, (g @ answer.x - d) / length).min() >= -1e-9 * scale
+        assert np.abs(np.minimum(f, (g @ answer.x - d) / length)).max() <= 1e-9 * scale
         assert a == pytest.approx((g @ answer.x - d) / length, abs=1e-9 * scale)
         # the motion is what the forces make of c
         assert np.abs(answer.x - c - g.T @ answer.f).max() <= 1e-6 * scale
