@@ -21,8 +21,9 @@ from reference_impl.rough import limits
 if TYPE_CHECKING:
     from reference_impl.world import World
 
-EVEN = 1e-15  # distance from its polynomials at which a motion is theirs [size of the coordinates]
-PROBE = 0.3  # where the two are compared [step]
+EVEN = 1e-15  # distance from its polynomials at which a motion is theirs [size of the coordinates; 1 for attitudes]
+EVENLY = 1e-13  # the same for velocities and angular momenta, which their derivatives have with less digits
+PROBE = 0.3  # where the two are compared, close to where their derivatives differ most [step]
 SAFETY = 1.5  # on bounds of the accelerations within a step, which are sampled at its stages
 SWING = 0.1  # part of the tolerance for bodies that swing, whose errors add up with nothing that takes them out again
 EPS = float(np.finfo(np.float64).eps)
@@ -128,18 +129,23 @@ class Course:
         problem = self.island.problem(pose, self.bodies)
         return reversing(self.island, problem, pose, self.bodies, self.grip, self.push.force > 0.0)
 
-    def scale(self) -> np.ndarray:
-        """Error allowed in each component of the state."""
+    def units(self) -> np.ndarray:
+        """What is large in each component of the state."""
         s, b = self.world.scales, self.bodies
         momentum = s.speed * s.length / b.inverse_mass[self.members]
         out = np.empty((len(self.members), WIDTH))
         out[:, :3], out[:, 3:7], out[:, 7:10], out[:, 10:] = s.length, 1.0, s.speed, momentum[:, None]
+        return out.ravel()
+
+    def scale(self) -> np.ndarray:
+        """Error allowed in each component of the state."""
+        b = self.bodies
         tolerance, least = self.world.settings.tolerance, 100.0 * rounding(b, self.members)
         if self.island.links is not None:
             tolerance *= SWING
             if not len(self.gap):  # forces of joints come from the factors alone: the root of the ratio
                 least = 10.0 * math.sqrt(EPS * rounding(b, self.members))
-        return max(tolerance, least) * out.ravel()
+        return max(tolerance, least) * self.units()
 
     def lay(self, end: float, new: np.ndarray, stages: np.ndarray) -> None:
         """Take this as the step, and give the bodies polynomials for it with bounds from its stages."""
@@ -168,15 +174,11 @@ class Course:
         """Set the world's motion of these bodies to what it is at time t of the step, which goes on undisturbed.
 
         To the polynomials where they are the motion to rounding, as under constant accelerations; else the motion
-        itself is carried there.  They differ from it most near the middle of the step, but for the angle of a steady
-        turn, which they have exactly there, by symmetry.
+        itself is carried there.
         """
         kept = self.states, self.kept, self.push
         if self._even is None:
-            within = self.begin + PROBE * (self.end - self.begin)
-            away = self.deviation(within, self.carried(within)[0])
-            size = np.abs(self.y.reshape(-1, WIDTH)[:, :3]).max() + self.bodies.reach[self.members].max()
-            self._even = bool(away <= EVEN * size)
+            self._even = self._follows(self.begin + PROBE * (self.end - self.begin))
         m = self.world.motion
         if not self._even:
             self.show(self.carried(t)[0])
@@ -184,6 +186,28 @@ class Course:
         else:
             _momenta(self.members, t, self.bodies.inertia, m.begin, m.x_series, m.q_series, m.L)
         self.states, self.kept, self.push = kept
+
+    def _follows(self, t: float) -> bool:
+        """Whether the motion at time t is that of the polynomials in all its parts.
+
+        The attitude has a limit of its own: where coordinates are large their rounding is no measure for it, and a
+        turn that is off by little is off by much more in its rate.
+        """
+        m, each = self.world.motion, self.carried(t)[0].reshape(-1, WIDTH)
+        x, v, q, rate = (np.empty((len(each), width)) for width in (3, 3, 4, 4))
+        momentum = m.L.copy()
+        for at, i in enumerate(self.members.tolist()):
+            where(t - m.begin[i], m.x_series[i], m.q_series[i], x[at], v[at], q[at], rate[at])
+        _momenta(self.members, t, self.bodies.inertia, m.begin, m.x_series, m.q_series, momentum)
+        size = np.abs(each[:, :3]).max() + self.bodies.reach[self.members].max()
+        near = np.abs(x - each[:, :3]).max() <= EVEN * size
+        turned = np.abs(q - each[:, 3:7] / np.sqrt((each[:, 3:7] ** 2).sum(axis=1))[:, None]).max() <= EVEN
+        least = EVEN * self.units().reshape(-1, WIDTH)
+        parts = ((v, slice(7, 10)), (momentum[self.members], slice(10, 13)))
+        return bool(near and turned) and all(
+            (np.abs(a - each[:, part]) <= EVENLY * np.abs(each[:, part]).max() + least[:, part]).all()
+            for a, part in parts
+        )
 
     def show(self, y: np.ndarray) -> None:
         """Set the world's motion of these bodies to the state y."""

@@ -23,11 +23,11 @@ from reference_impl.world import World
 
 DEEP = 1e-11  # overlap that sends a step back [smallest body size]
 SHORTEST = 1e-13  # step below which the motion is stuck [time scale]
-LONGEST = 1.0  # [time scale]
 BRINK = 1e-7  # time before forces cease to exist at which impulses take over [time scale]
 STANDING = 1e-15  # slip at which a contact has stopped [speed scale]
 ULPS = 1e-15  # change of a gap that is the rounding of the coordinates
 CUTS = 60  # of one step, before the polynomials are taken for the motion
+LOOKS = 16  # within one step, for contacts that leave their features and return
 BEYOND = 0.01  # how far past a meeting polynomials are laid anew, which makes them 1e6 times as good there [step]
 
 
@@ -50,7 +50,7 @@ def embark(world: World, limit: float) -> None:
 def _step(world: World, course: Course, limit: float) -> None:
     start, method, y = course.begin, course.method, course.y
     scale = course.scale()
-    h = min(float(world.pace[course.members].min()), LONGEST * world.scales.time)
+    h = float(world.pace[course.members].min())
     first: np.ndarray | None = None
     while True:
         if h < SHORTEST * world.scales.time:
@@ -88,9 +88,22 @@ def _step(world: World, course: Course, limit: float) -> None:
             continue
         break
     world.audit.steps += 1
-    growth = 5.0 if error == 0.0 else min(5.0, 0.9 * error**-0.125)
+    proposed = _proposed(world, course, end - start, error)
     # a step that the limit cut short says nothing against the longer one
-    world.pace[course.members] = max(h, (end - start) * growth) if end == limit else (end - start) * growth
+    world.pace[course.members] = max(h, proposed) if end == limit else proposed
+
+
+def _proposed(world: World, course: Course, h: float, error: float) -> float:
+    """Next step after one of h [s] with this error, relative to what is allowed.
+
+    Where steps shrink, as they do towards the end of a slip that turns, the next one will have to as much again:
+    Gustafsson, Control-theoretic techniques for stepsize selection in implicit Runge-Kutta methods, 1994.
+    """
+    fair = math.inf if error == 0.0 else h * error**-0.125
+    before = float(world.fair[course.members].max())
+    world.fair[course.members] = fair
+    trend = min(1.0, max(0.2, fair / before)) if before < math.inf and fair < math.inf else 1.0
+    return min(5.0 * h, 0.9 * fair * trend)
 
 
 def _own_end(world: World, course: Course) -> float:
@@ -243,19 +256,54 @@ def _slides_off(world: World, course: Course) -> float:
         return end
     contacts = contacts.chosen(bounded)
     out = world.detector.lateral
-    if _margins(world, contacts, end) >= -out:
-        return end
-    low, high = course.begin, end
+    low, high = _leaves(world, course, contacts)
     for _ in range(100):
         middle = 0.5 * (low + high)
+        if middle in (low, high):
+            break
         least = _margins(world, contacts, middle)
-        if -3.0 * out <= least < -out or middle in (low, high):
-            return middle if least < -out else high
+        if -3.0 * out <= least < -out:
+            return middle
         if least < -out:
             high = middle
         else:
             low = middle
     return high
+
+
+def _leaves(world: World, course: Course, contacts: Contacts) -> tuple[float, float]:
+    """Times within the step between which a contact leaves its feature; its end twice if none does.
+
+    No contact moves faster along its feature than bodies move there, so that margins at two times bound what is
+    between them.  A contact that runs along an edge is looked at `LOOKS` times.
+    """
+    fastest, out = _fastest(world, course), world.detector.lateral
+    end = (course.end, _margins(world, contacts, course.end))
+    spans = [((course.begin, _margins(world, contacts, course.begin)), end)]
+    looks = 0
+    while spans:
+        low, high = spans.pop()
+        if high[1] < -out and (looks >= LOOKS or low[1] >= -out):
+            return low[0], high[0]
+        width = high[0] - low[0]
+        if looks >= LOOKS or 0.5 * (low[1] + high[1] - fastest * width) >= -out:
+            continue
+        looks += 1
+        middle = 0.5 * (low[0] + high[0])
+        one = (middle, _margins(world, contacts, middle))
+        spans += [(one, high), (low, one)]
+    return end[0], end[0]
+
+
+def _fastest(world: World, course: Course) -> float:
+    """Bound of the velocity of material points relative to the other body of a contact within the step [m/s]."""
+    m, b, h = world.motion, world.bodies, course.end - course.begin
+    one, other = course.island.contacts.kinds[:, :2].T
+    reach = np.where(b.inverse_mass > 0.0, b.reach, 0.0)  # those that are fixed do not turn
+    turn, gain = m.bounds[:, 4] * reach, m.bounds[one, :3] - m.bounds[other, :3]
+    away = m.v[one] - m.v[other]
+    speed = np.sqrt((away * away).sum(axis=1)) + h * np.sqrt((gain * gain).sum(axis=1))
+    return float((speed + h * (m.bounds[one, 3] + m.bounds[other, 3]) + turn[one] + turn[other]).max())
 
 
 def _margins(world: World, contacts: Contacts, t: float) -> float:

@@ -72,6 +72,7 @@ class World:
     kept: dict[bytes, Kept] = field(default_factory=dict)  # what courses that have just ended leave for the next
     lasts: np.ndarray = field(init=False)  # (pairs,) whether a contact of the pair is part of a course
     pace: np.ndarray = field(init=False)  # (n,) step proposed for each body in lasting contact [s]
+    fair: np.ndarray = field(init=False)  # (n,) step that would have had just the error allowed, the last time [s]
     forces: list[Held] = field(default_factory=list)
     pushing: set[tuple[int, int, int, int]] = field(default_factory=set)
     events: Record = field(default_factory=Record)
@@ -95,6 +96,7 @@ class World:
         self.settled = np.full(n, -math.inf)
         self._refuse()
         self.pace = np.full(n, 1e-2 * self.scales.time)
+        self.fair = np.full(n, math.inf)
         self.lasts = np.zeros(len(self.detector.pairs), dtype=bool)
         self.mu = np.zeros(len(self.detector.pairs))
         if self.parts.law.friction is not None:

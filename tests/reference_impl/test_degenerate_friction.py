@@ -374,3 +374,23 @@ def test_a_hinged_bar_on_a_belt_presses_more_where_the_belt_runs_towards_it(way)
     assert sum(f.force for f in world.forces) == pytest.approx(load, rel=1e-11)
     assert world.state().x[2] == pytest.approx(bar.position, abs=1e-13)
     assert kinetic_energy(world) <= 1e-24
+
+
+@pytest.mark.parametrize("speed", [63.0, 1000.0])
+def test_what_slides_fast_comes_to_rest_where_it_must(speed):
+    """A braked block goes v²/2µg: steps are as long as the motion is simple, and its stop is an event."""
+    block = brick("block", (0.0, 0.0, 0.05), velocity=(speed, 0.0, 0.0))
+    world = begin(Scene((FLOOR, block), rough(0.3)))
+    advance(world, 1.01 * speed / (0.3 * G))
+    assert world.mode[1] == STILL
+    assert world.state().x[1, 0] == pytest.approx(speed**2 / (0.6 * G), rel=1e-13)
+    assert world.audit.steps < 100
+
+
+def test_a_ball_far_out_tells_its_spin():
+    """Where coordinates are large their rounding is no measure for the attitude, whose rate is the spin."""
+    speed, mu, r = 63.0, 0.3, 0.1
+    world = begin(Scene((FLOOR, Body("ball", Sphere(r), 2.0, (2000.0, 0.0, r), velocity=(speed, 0.0, 0.0))), rough(mu)))
+    for t in np.linspace(0.011, 3.0, 40):
+        advance(world, t - world.t)
+        assert world.state().w[1, 1] == pytest.approx(2.5 * mu * G * t / r, rel=1e-11)
