@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from reference_impl.effects.resting import Island, Pose, Push, push, rounding
-from reference_impl.effects.sliding import Grip, grip_of, reversing, rough_push
+from reference_impl.effects.sliding import Grip, grip_of, reversing, rough_push, slip_of
 from reference_impl.flight import driven_momentum, where
 from reference_impl.integrators import RungeKutta8, hermite
 from reference_impl.kernels import kernel, matrix, spin, spin_rate
@@ -26,6 +26,8 @@ EVENLY = 1e-13  # the same for velocities and angular momenta, which their deriv
 PROBE = 0.3  # where the two are compared, close to where their derivatives differ most [step]
 SAFETY = 1.5  # on bounds of the accelerations within a step, which are sampled at its stages
 SWING = 0.1  # part of the tolerance for bodies that swing, whose errors add up with nothing that takes them out again
+SLOWED = 0.01  # part of the slip at the begin of a step at which it has almost stopped
+STRAIGHT = 1e-8  # turn of a slip that has not turned: half its square is lost of the friction at the stop
 EPS = float(np.finfo(np.float64).eps)
 WIDTH = 13  # numbers of one body in a state: position, quaternion, velocity, angular momentum
 
@@ -128,6 +130,16 @@ class Course:
         pose = self.place(t, y)
         problem = self.island.problem(pose, self.bodies)
         return reversing(self.island, problem, pose, self.bodies, self.grip, self.push.force > 0.0)
+
+    def turns(self, t: float, y: np.ndarray) -> bool:
+        """Whether a contact slides another way than at the begin of the step, where it has almost stopped by time t."""
+        assert self.grip is not None
+        first = slip_of(self.island, self.place(self.begin, self.y), self.bodies)
+        slip = slip_of(self.island, self.place(t, y), self.bodies)
+        size = np.sqrt((slip**2).sum(axis=1))
+        ends = self.grip.slides & (self.grip.mu > 0.0) & (size < SLOWED * np.sqrt((first**2).sum(axis=1)))
+        aside = slip - (slip * self.grip.way).sum(axis=1)[:, None] * self.grip.way
+        return bool((np.sqrt((aside**2).sum(axis=1)) > STRAIGHT * size)[ends & (size > self.limits.slow)].any())
 
     def units(self) -> np.ndarray:
         """What is large in each component of the state."""

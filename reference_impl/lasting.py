@@ -24,6 +24,7 @@ from reference_impl.world import World
 DEEP = 1e-11  # overlap that sends a step back [smallest body size]
 SHORTEST = 1e-13  # step below which the motion is stuck [time scale]
 BRINK = 1e-7  # time before forces cease to exist at which impulses take over [time scale]
+SHORT = 1e-3  # of a step, that is left for another one where a slip that turns comes to its end
 STANDING = 1e-15  # slip at which a contact has stopped [speed scale]
 ULPS = 1e-15  # change of a gap that is the rounding of the coordinates
 CUTS = 60  # of one step, before the polynomials are taken for the motion
@@ -153,6 +154,8 @@ def _reversal(world: World, course: Course) -> tuple[float, np.ndarray, np.ndarr
     """When the first contact ceases to slide, the state then, and the rates on the way.
 
     The Illinois method on the slip of the motion itself, which is a straight line in time where friction is constant.
+    At the stop a slip has no direction of its own, and takes that of the begin of the step.  Where it turns on its way
+    the time is therefore one a little before, from where the next step goes to the stop almost straight.
     """
     low, high = course.begin, course.end
     stop, new, stages = course.end, course.new, course.stages
@@ -176,6 +179,11 @@ def _reversal(world: World, course: Course) -> tuple[float, np.ndarray, np.ndarr
             high, below = t, value
             above = 0.5 * above if side == -1 else above
             side = -1
+    push, early = course.push, stop - SHORT * (stop - course.begin)
+    before, rates = course.carried(early)
+    if course.turns(early, before):
+        return early, before, rates
+    course.push = push
     return stop, new, stages
 
 

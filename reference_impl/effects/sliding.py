@@ -164,3 +164,8 @@ def reversing(island: Island, problem: Problem, pose: Pose, b: Bodies, grip: Gri
         slip = np.einsum("ijk,ik->ij", grip.facet.tangents(problem.k.normal), s.velocity)
         return float(within(slip, grip.facet.between, grip.facet.sides)[chosen].min())
     return float((s.velocity * grip.way).sum(axis=1)[chosen].min())
+
+
+def slip_of(island: Island, pose: Pose, b: Bodies) -> np.ndarray:
+    """Velocities along the surface (m, 3) with which the contacts slide [m/s]."""
+    return slips(island.contacts, island.problem(pose, b).k, pose, b).velocity
