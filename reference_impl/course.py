@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from reference_impl.collocation import NUDGE, Collocation
 from reference_impl.effects.resting import Island, Pose, Push, push, rounding
-from reference_impl.effects.sliding import Grip, grip_of, reversing, rough_push, slip_of
+from reference_impl.effects.sliding import Grip, grip_of, reversing, rough_push, slip_of, stiffness
 from reference_impl.flight import driven_momentum, where
 from reference_impl.integrators import RungeKutta8, hermite
 from reference_impl.kernels import kernel, matrix, spin, spin_rate
@@ -27,6 +28,7 @@ PROBE = 0.3  # where the two are compared, close to where their derivatives diff
 SAFETY = 1.5  # on bounds of the accelerations within a step, which are sampled at its stages
 SWING = 0.1  # part of the tolerance for bodies that swing, whose errors add up with nothing that takes them out again
 SLOWED = 0.01  # part of the slip at the begin of a step at which it has almost stopped
+STIFF = 3.0  # rate of friction times step from which on steps are implicit; explicit ones may not exceed 6
 STRAIGHT = 1e-8  # turn of a slip that has not turned: half its square is lost of the friction at the stop
 EPS = float(np.finfo(np.float64).eps)
 WIDTH = 13  # numbers of one body in a state: position, quaternion, velocity, angular momentum
@@ -42,7 +44,7 @@ class Course:
         Of the step it is on [s]; `end` is -inf before the first one.
     y, new : (13 k,) arrays
         State (x, q, v, L) of its k bodies, one after the other, at the begin and the end of the step.
-    stages : (13, 13 k) array
+    stages : (s, 13 k) array
         Rates of the state within the step, the first at its begin and the last at its end.
     grip : Grip or None
         Which contacts slide; None where all are smooth.
@@ -83,7 +85,7 @@ class Course:
             self.states = p.force > 0.0
         else:
             self.grip = grip_of(island, problem, self.pose, self.bodies, mu, self.limits)
-        self.method = RungeKutta8()
+        self.method: RungeKutta8 | Collocation = RungeKutta8()
         self.loaded = np.zeros(len(self.gap), dtype=bool)
         self.cuts = 0
         self.arrived = False
@@ -122,6 +124,22 @@ class Course:
     def carried(self, t: float) -> tuple[np.ndarray, np.ndarray]:
         """State at time t of the step, by the motion itself and not by its polynomials, and the rates on the way."""
         return self.method.step(self, self.begin, self.y, t - self.begin, self.stages[0])
+
+    def choose(self, h: float, first: np.ndarray) -> None:
+        """Take the method that suits a step of about h [s], from the rates `first` at its begin."""
+        if self.grip is None:
+            return
+        lag = self.grip.lag
+        ahead = slip_of(self.island, self.place(self.begin + lag, self.y + lag * first), self.bodies)
+        pose = self.place(self.begin, self.y)
+        rate, slowest = stiffness(self.island, pose, self.bodies, self.grip, self.push.force, ahead)
+        if h * rate > STIFF:
+            b, nudge = self.bodies, np.zeros((len(self.members), WIDTH))
+            turns = b.quickness[self.members] > 0.0
+            nudge[:, 7:10] = NUDGE * slowest
+            moment = b.reach[self.members[turns]] * b.quickness[self.members[turns]]
+            nudge[turns, 10:] = (NUDGE * slowest / moment)[:, None]
+            self.method = Collocation(nudge.ravel(), self.scale())
 
     def slip(self, t: float, y: np.ndarray) -> float:
         """Least slip of the contacts that slide, along their direction at the start; negative past a reversal [m/s]."""
@@ -281,10 +299,10 @@ def _bend(q, rate, momentum, torque, inverse_inertia, w, alpha):
 @kernel
 def _lay(members, h, y, new, stages, inverse_inertia, x_series, q_series, bounds):
     """Polynomials of degree five over a step, and bounds of the accelerations from its stages."""
-    w, alpha, mean = np.empty((2, 3)), np.empty((2, 3)), np.empty(3)
+    w, alpha, mean, count = np.empty((2, 3)), np.empty((2, 3)), np.empty(3), len(stages)
     for at in range(len(members)):
         i, k = members[at], 13 * at
-        first, last = stages[0, k : k + 13], stages[12, k : k + 13]
+        first, last = stages[0, k : k + 13], stages[count - 1, k : k + 13]
         p, e = y[k : k + 13], new[k : k + 13]
         bend = _bend(p[3:7], first[3:7], p[10:13], first[10:13], inverse_inertia[i], w[0], alpha[0])
         bent = _bend(e[3:7], last[3:7], e[10:13], last[10:13], inverse_inertia[i], w[1], alpha[1])
@@ -292,11 +310,11 @@ def _lay(members, h, y, new, stages, inverse_inertia, x_series, q_series, bounds
         hermite(h, p[3:7], first[3:7], bend, e[3:7], last[3:7], bent, q_series[i])
         for c in range(3):
             mean[c] = 0.0
-            for s in range(13):
-                mean[c] += stages[s, k + 7 + c] / 13.0
+            for s in range(count):
+                mean[c] += stages[s, k + 7 + c] / count
             bounds[i, c] = mean[c]
         square, fastest, twist = 0.0, 0.0, 0.0
-        for s in range(13):
+        for s in range(count):
             away = 0.0
             for c in range(3):
                 away += (stages[s, k + 7 + c] - mean[c]) ** 2

@@ -49,7 +49,7 @@ def embark(world: World, limit: float) -> None:
 
 
 def _step(world: World, course: Course, limit: float) -> None:
-    start, method, y = course.begin, course.method, course.y
+    start, y = course.begin, course.y
     scale = course.scale()
     h = float(world.pace[course.members].min())
     first: np.ndarray | None = None
@@ -61,8 +61,9 @@ def _step(world: World, course: Course, limit: float) -> None:
         try:
             if first is None:
                 first = course(start, y)
-            new, stages = method.step(course, start, y, end - start, first)
-            error = method.error(stages, end - start, scale)
+                course.choose(min(h, limit - start), first)
+            new, stages = course.method.step(course, start, y, end - start, first)
+            error = course.method.error(stages, end - start, scale)
             if error <= 1.0:
                 course.lay(end, new, stages)
                 stop = _own_end(world, course)
@@ -79,7 +80,7 @@ def _step(world: World, course: Course, limit: float) -> None:
             continue
         if error > 1.0:
             world.audit.rejected += 1
-            h = (end - start) * max(0.2, 0.9 * error**-0.125)
+            h = (end - start) * max(0.2, 0.9 * error**-course.method.exponent)
             continue
         # what is there from the start is not the step's
         deepest = min(-DEEP * world.scales.length, 1.1 * course.gap.min(initial=0.0))
@@ -100,7 +101,7 @@ def _proposed(world: World, course: Course, h: float, error: float) -> float:
     Where steps shrink, as they do towards the end of a slip that turns, the next one will have to as much again:
     Gustafsson, Control-theoretic techniques for stepsize selection in implicit Runge-Kutta methods, 1994.
     """
-    fair = math.inf if error == 0.0 else h * error**-0.125
+    fair = math.inf if error == 0.0 else h * error**-course.method.exponent
     before = float(world.fair[course.members].max())
     world.fair[course.members] = fair
     trend = min(1.0, max(0.2, fair / before)) if before < math.inf and fair < math.inf else 1.0

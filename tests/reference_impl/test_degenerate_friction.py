@@ -392,3 +392,34 @@ def test_a_ball_far_out_tells_its_spin():
     for t in np.linspace(0.011, 3.0, 40):
         advance(world, t - world.t)
         assert world.state().w[1, 1] == pytest.approx(2.5 * mu * G * t / r, rel=1e-11)
+
+
+@pytest.mark.parametrize("over", [1e-3, 1e-6])
+def test_a_block_that_hardly_slides_is_followed_in_a_few_steps(over):
+    """Little above the limit friction turns the slip at the rate g / |c|, which steps must not have to follow."""
+    angle = math.radians(25.0)
+    plane, block, down = slope(angle)
+    world = begin(Scene((plane, block), rough(math.tan(angle) * (1.0 - over))))
+    start = world.state().x[1]
+    advance(world, 40.0)
+    way = 0.5 * G * math.sin(angle) * over * 1600.0
+    # accelerations are certified to 1e-12 of g, of which this one is a small part
+    assert (world.state().x[1] - start) @ down == pytest.approx(way, rel=1e-12 / over)
+    assert world.audit.steps < 200
+
+
+def test_a_slow_slip_that_turns_keeps_its_course_under_stiff_friction():
+    """Across a slope at µ = tan φ: D v = v0 / (1 + cos ψ) with ψ from the fall line, however small v0.
+
+    With u = v / v0 and time in v0 / (g sin φ): u' = cos ψ - 1, ψ' = -sin ψ / u.  Where ψ -> 0 u -> 1/2.
+    """
+    angle, v0 = math.radians(20.0), 0.02
+    plane, block, down = slope(angle)
+    across = Body("block", block.shape, 2.0, block.position, block.orientation, (0.0, v0, 0.0))
+    effects = (Gravity(), Friction(math.tan(angle)), Resting())
+    world = begin(Scene((plane, across), effects))
+    for t in (0.002, 0.005, 0.02):
+        advance(world, t - world.t)
+        v = world.state().v[1]
+        speed, along = float(np.linalg.norm(v)), float(v @ down)
+        assert speed * (1.0 + along / speed) == pytest.approx(v0, rel=1e-9)
