@@ -15,7 +15,7 @@ import numpy as np
 from numpy.polynomial import Legendre, Polynomial
 
 STAGES = 5
-ITERATIONS = 12  # of Newton's method, whose matrix is that of the begin of the step
+ITERATIONS = 12  # of Newton's method, whose matrix is that of where they begin
 DONE = 0.01  # change of the stages, relative to the error allowed, at which they are found
 ROUNDED = 0.3  # the same where the changes have ceased to shrink
 NUDGE = 1e-4  # part of the slowest slip by which velocities are changed for derivatives
@@ -67,7 +67,6 @@ class Collocation:
     def __init__(self, nudge: np.ndarray, scale: np.ndarray) -> None:
         self.nudge, self.scale = nudge, scale
         self.stiff = np.flatnonzero(nudge)
-        self.jacobian: np.ndarray | None = None
         self.converged = False
 
     def step(self, rate: Rate, t: float, y: np.ndarray, h: float, first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -76,19 +75,18 @@ class Collocation:
         Whether the stages were found is told by `error`.
         """
         c, weights, _ = table()
-        if self.jacobian is None:
-            self.jacobian = self._derivatives(rate, t, y, first)
-        part, count = self.stiff, STAGES * len(self.stiff)
-        matrix = np.linalg.inv(np.eye(count) - h * np.kron(weights, self.jacobian))
         stages = np.empty((STAGES + 1, len(y)))
         stages[0] = first
         way = h * c[:, None] * first
+        matrix: np.ndarray | None = None
         last, self.converged = np.inf, False
         for _ in range(ITERATIONS):
             for i in range(STAGES):
                 stages[i + 1] = rate(t + c[i] * h, y + way[i])
+            if matrix is None:
+                matrix = self._matrix(rate, t, h, y + way, stages[1:])
             change = h * (weights @ stages[1:]) - way
-            change[:, part] = (matrix @ change[:, part].ravel()).reshape(STAGES, -1)
+            change[:, self.stiff] = (matrix @ change[:, self.stiff].ravel()).reshape(STAGES, -1)
             way += change
             size = float(np.abs(change / self.scale).max())
             self.converged = size <= DONE or (size <= ROUNDED and size > 0.5 * last)
@@ -109,11 +107,21 @@ class Collocation:
         before, last = np.sqrt(((table().top @ stages[1:] / scale) ** 2).mean(axis=1))
         return float(h * last * min(1.0, last / before)) if last > 0.0 else 0.0
 
-    def _derivatives(self, rate: Rate, t: float, y: np.ndarray, first: np.ndarray) -> np.ndarray:
-        """Derivatives of the stiff components of the rate by these components."""
-        out = np.empty((len(self.stiff), len(self.stiff)))
-        for column, i in enumerate(self.stiff):
-            other = y.copy()
-            other[i] += self.nudge[i]
-            out[:, column] = (rate(t, other) - first)[self.stiff] / (other[i] - y[i])
-        return out
+    def _matrix(self, rate: Rate, t: float, h: float, y: np.ndarray, rates: np.ndarray) -> np.ndarray:
+        """Inverse of Newton's matrix at the stages y (s, n), where the rates are known.
+
+        Each stage has its own derivatives: with those of the begin, where a slip that grows is the slowest, changes
+        would be small long before the stages are found.
+        """
+        c, weights, _ = table()
+        count = len(self.stiff)
+        out = np.eye(STAGES * count)
+        for j in range(STAGES):
+            derivatives = np.empty((count, count))
+            for column, i in enumerate(self.stiff):
+                other = y[j].copy()
+                other[i] += self.nudge[i]
+                gained = rate(t + c[j] * h, other)[self.stiff] - rates[j, self.stiff]
+                derivatives[:, column] = gained / (other[i] - y[j, i])
+            out[:, j * count : (j + 1) * count] -= h * np.kron(weights[:, j : j + 1], derivatives)
+        return np.linalg.inv(out)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reference_impl.collocation import NUDGE, Collocation
+from reference_impl.collocation import NUDGE, Collocation, table
 from reference_impl.effects.resting import Island, Pose, Push, push, rounding
 from reference_impl.effects.sliding import Grip, grip_of, reversing, rough_push, slip_of, stiffness
 from reference_impl.flight import driven_momentum, where
@@ -129,12 +129,17 @@ class Course:
         """Take the method that suits a step of about h [s], from the rates `first` at its begin."""
         if self.grip is None:
             return
-        lag = self.grip.lag
-        ahead = slip_of(self.island, self.place(self.begin + lag, self.y + lag * first), self.bodies)
-        pose = self.place(self.begin, self.y)
-        rate, slowest = stiffness(self.island, pose, self.bodies, self.grip, self.push.force, ahead)
-        if h * rate > STIFF:
-            b, nudge = self.bodies, np.zeros((len(self.members), WIDTH))
+        grip, island, b = self.grip, self.island, self.bodies
+
+        def slips(ahead: float) -> np.ndarray:
+            return slip_of(island, self.place(self.begin + ahead, self.y + ahead * first), b)
+
+        later, ahead = slips(float(table().nodes[0]) * h), slips(grip.lag)
+        rate = stiffness(island, self.place(self.begin, self.y), b, grip, self.push.force, ahead)
+        speed = np.sqrt((later**2).sum(axis=1))[(grip.slides | grip.creeps) & (grip.mu > 0.0)]
+        slowest = float(speed.min(initial=math.inf))
+        if h * rate > STIFF and slowest > 0.0:
+            nudge = np.zeros((len(self.members), WIDTH))
             turns = b.quickness[self.members] > 0.0
             nudge[:, 7:10] = NUDGE * slowest
             moment = b.reach[self.members[turns]] * b.quickness[self.members[turns]]

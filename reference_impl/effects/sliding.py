@@ -171,10 +171,8 @@ def slip_of(island: Island, pose: Pose, b: Bodies) -> np.ndarray:
     return slips(island.contacts, island.problem(pose, b).k, pose, b).velocity
 
 
-def stiffness(island: Island, pose: Pose, b: Bodies, grip: Grip, force: np.ndarray, ahead: np.ndarray) -> tuple[
-    float, float
-]:  # fmt: skip
-    """Greatest rate at which friction turns a slip towards its course [1/s], and the slowest such slip [m/s].
+def stiffness(island: Island, pose: Pose, b: Bodies, grip: Grip, force: np.ndarray, ahead: np.ndarray) -> float:
+    """Greatest rate at which friction turns a slip towards its course [1/s].
 
     A slip c that is off its course by δ across it is turned back by the friction µ f δ / |c| times what the contact
     yields to a force across it.
@@ -192,7 +190,7 @@ def stiffness(island: Island, pose: Pose, b: Bodies, grip: Grip, force: np.ndarr
     speed = np.sqrt((c**2).sum(axis=1))
     moves = (grip.slides | grip.creeps) & (grip.mu > 0.0) & (force > 0.0) & (speed > 0.0)
     if not moves.any():
-        return 0.0, 0.0
+        return 0.0
     rows = rough(island, problem, pose, b, frames(problem.k.normal, c), grip.mu, grip.slides).g
     rates = grip.mu * force * (rows[2::3] ** 2).sum(axis=1)
-    return float((rates[moves] / speed[moves]).max()), float(speed[moves].min())
+    return float((rates[moves] / speed[moves]).max())
