@@ -27,6 +27,7 @@ EVENLY = 1e-13  # the same for velocities and angular momenta, which their deriv
 PROBE = 0.3  # where the two are compared, close to where their derivatives differ most [step]
 SAFETY = 1.5  # on bounds of the accelerations within a step, which are sampled at its stages
 SWING = 0.1  # part of the tolerance for bodies that swing, whose errors add up with nothing that takes them out again
+HALVINGS = 5  # of a part of a step on which an implicit one is not found
 SLOWED = 0.01  # part of the slip at the begin of a step at which it has almost stopped
 STIFF = 3.0  # rate of friction times step from which on steps are implicit; explicit ones may not exceed 6
 STRAIGHT = 1e-8  # turn of a slip that has not turned: half its square is lost of the friction at the stop
@@ -123,19 +124,31 @@ class Course:
 
     def carried(self, t: float) -> tuple[np.ndarray, np.ndarray]:
         """State at time t of the step, by the motion itself and not by its polynomials, and the rates on the way."""
-        return self.method.step(self, self.begin, self.y, t - self.begin, self.stages[0])
+        return self._carried(self.begin, self.y, self.stages[0], t, HALVINGS)
 
-    def choose(self, h: float, first: np.ndarray) -> None:
-        """Take the method that suits a step of about h [s], from the rates `first` at its begin."""
+    def _carried(
+        self, begin: float, y: np.ndarray, first: np.ndarray, t: float, halvings: int
+    ) -> tuple[np.ndarray, np.ndarray]:
+        new, stages = self.method.step(self, begin, y, t - begin, first)
+        if self.method.converged or not halvings:
+            return new, stages
+        middle = 0.5 * (begin + t)
+        half, one = self._carried(begin, y, first, middle, halvings - 1)
+        new, two = self._carried(middle, half, one[-1], t, halvings - 1)
+        return new, np.concatenate([one, two])
+
+    def choose(self, h: float, first: np.ndarray, force: np.ndarray) -> None:
+        """Take the method that suits a step of h [s], from the rates `first` and the contact forces at its begin."""
         if self.grip is None:
             return
+        self.method = RungeKutta8()
         grip, island, b = self.grip, self.island, self.bodies
 
         def slips(ahead: float) -> np.ndarray:
             return slip_of(island, self.place(self.begin + ahead, self.y + ahead * first), b)
 
         later, ahead = slips(float(table().nodes[0]) * h), slips(grip.lag)
-        rate = stiffness(island, self.place(self.begin, self.y), b, grip, self.push.force, ahead)
+        rate = stiffness(island, self.place(self.begin, self.y), b, grip, force, ahead)
         speed = np.sqrt((later**2).sum(axis=1))[(grip.slides | grip.creeps) & (grip.mu > 0.0)]
         slowest = float(speed.min(initial=math.inf))
         if h * rate > STIFF and slowest > 0.0:

@@ -41,6 +41,7 @@ class RungeKutta8:
     a, b, c = dormand_prince.A, dormand_prince.B, dormand_prince.C
     e3, e5 = dormand_prince.E3, dormand_prince.E5
     exponent = 0.125  # of the error in the step that it allows
+    converged = True  # there is nothing to be found
 
     def step(
         self, rate: Callable[[float, np.ndarray], np.ndarray], t: float, y: np.ndarray, h: float, first: np.ndarray

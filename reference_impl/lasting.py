@@ -61,7 +61,8 @@ def _step(world: World, course: Course, limit: float) -> None:
         try:
             if first is None:
                 first = course(start, y)
-                course.choose(min(h, limit - start), first)
+                pressing = course.push.force
+            course.choose(end - start, first, pressing)
             new, stages = course.method.step(course, start, y, end - start, first)
             error = course.method.error(stages, end - start, scale)
             if error <= 1.0:
