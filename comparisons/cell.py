@@ -140,6 +140,9 @@ class Campaign:
     engines : dict
         Name -> {"version", "settings": {name: value}, "profile": {setting: why}}.
     cells : tuple of Cell
+    ladders : dict
+        Name -> {"raises", "unit", "rungs", "monotone", "climbs": {engine: [[rung, key of its cell], ...]}}, where
+        ladders were climbed: these cells are steps on the way to a frontier, and no verdicts of a suite.
     """
 
     id: str
@@ -151,6 +154,7 @@ class Campaign:
     scenarios: Mapping[str, Any]
     engines: Mapping[str, Any]
     cells: tuple[Cell, ...]
+    ladders: Mapping[str, Any] = field(default_factory=dict)
 
 
 def cell_key(scenario: str, version: int, engine: str, engine_version: str, settings: Mapping[str, Any]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -104,6 +104,12 @@ class Execution:
         Made if it is not there; finished cells in it are used again.
     title, command : str
         For people: what is run, and the command that repeats it.
+    following : function, optional
+        Of a job and its finished cell: the jobs that are to be run because of it.
+    told : mapping
+        What else `run.json` is to hold; read anew whenever it is written.
+    most : int
+        Cells there may be with those that follow, where it is known.
     """
 
     jobs: Sequence[Job]
@@ -112,6 +118,9 @@ class Execution:
     command: str
     options: Options = field(default_factory=Options)
     watcher: Watcher = field(default_factory=Silence)
+    following: Callable[[Job, Cell], Sequence[Job]] | None = None
+    told: Mapping[str, Any] = field(default_factory=dict)
+    most: int = 0
 
     def run(self) -> Results:
         """Run what is left to run and return everything.
@@ -126,27 +135,38 @@ class Execution:
         begun = time.monotonic()
         with RunFolder(self.folder) as folder:
             manifest = self._manifest()
-            done = self._reusable(folder, manifest)
+            jobs, done = self._resumed(folder, manifest)
             folder.describe(manifest)
-            left = [job for job in self.jobs if job.key not in done]
-            self.watcher.begin(len(self.jobs), len(self.jobs) - len(left))
+            left = [job for job in jobs if job.key not in done]
+            self.watcher.begin(max(self.most, len(jobs)), len(jobs) - len(left))
             stopped = "the run was interrupted"
             try:
-                done |= self._run(left, folder, begun, manifest["engines"])
-                stopped = "" if len(done) == len(self.jobs) else f"the budget of {self.options.budget:g} s was spent"
+                done |= self._run(left, folder, begun, manifest)
+                stopped = (
+                    "" if len(done) == len(manifest["plan"]) else f"the budget of {self.options.budget:g} s was spent"
+                )
             finally:
                 manifest |= {"wall_seconds": manifest["wall_seconds"] + time.monotonic() - begun, "stopped": stopped}
                 folder.describe(manifest)
         return Results.read(self.folder)
 
+    def _resumed(self, folder: RunFolder, manifest: dict[str, Any]) -> tuple[list[Job], dict[str, Cell]]:
+        """The jobs, with those that follow from cells that are there already, and these cells."""
+        jobs, fresh, done = [], list(self.jobs), {}
+        while fresh:
+            found = self._reusable(folder, manifest, fresh)
+            jobs, done = jobs + fresh, done | found
+            fresh = [n for job in fresh if job.key in found for n in self._follow(manifest, job, found[job.key])]
+        return jobs, done
+
+    def _follow(self, manifest: dict[str, Any], job: Job, cell: Cell) -> list[Job]:
+        """Jobs that a finished cell calls for, entered in the manifest."""
+        new = list(self.following(job, cell)) if self.following is not None else []
+        _enter(manifest, new)
+        return new
+
     def _manifest(self) -> dict[str, Any]:
-        scenarios = {job.scenario.name: job.scenario for job in self.jobs}
-        plan = [
-            {"key": j.key, "scenario": j.scenario.name, "engine": j.engine, "version": j.version,
-             "settings": dict(j.settings), "reproduce": j.reproduce}
-            for j in self.jobs
-        ]  # fmt: skip
-        return {
+        manifest: dict[str, Any] = {
             "id": self.folder.resolve().name,
             "title": self.title,
             "command": self.command,
@@ -155,12 +175,15 @@ class Execution:
             "stopped": "",
             "options": vars(self.options),
             "fingerprint": fingerprint(),
-            "scenarios": described(scenarios.values()),
-            "engines": described_engines(self.jobs),
-            "plan": plan,
+            "scenarios": {},
+            "engines": {},
+            "plan": [],
+            **self.told,
         }
+        _enter(manifest, self.jobs)
+        return manifest
 
-    def _reusable(self, folder: RunFolder, manifest: dict[str, Any]) -> dict[str, Cell]:
+    def _reusable(self, folder: RunFolder, manifest: dict[str, Any], jobs: Sequence[Job]) -> dict[str, Cell]:
         """Finished cells of the same key whose scenario still asks the same, timed as often as is asked now.
 
         Runs are kept, opinions are formed anew: the motions are judged as the comparisons judge now.
@@ -178,7 +201,7 @@ class Execution:
         keep_cards(before.get("engines", {}), manifest["engines"])
         asked = {label: told.get("question") for label, told in before.get("scenarios", {}).items()}
         now = {label: told["question"] for label, told in manifest["scenarios"].items()}
-        found = {job.key: self._judged_now(folder, job, cells[job.key]) for job in self.jobs
+        found = {job.key: self._judged_now(folder, job, cells[job.key]) for job in jobs
                  if job.key in cells and asked.get(job.scenario.name) == now[job.scenario.name]
                  and self._good_enough(cells[job.key])}  # fmt: skip
         return {key: cell for key, cell in found.items() if cell is not None}
@@ -202,8 +225,11 @@ class Execution:
             return False
         return cell.repeats == 0 or cell.repeats >= self.options.repeats
 
-    def _run(self, left: Sequence[Job], folder: RunFolder, begun: float, engines: dict[str, Any]) -> dict[str, Cell]:
-        """Cells of the jobs that could be begun within the budget, by key; then `engines` are told their cards."""
+    def _run(self, left: Sequence[Job], folder: RunFolder, begun: float, manifest: dict[str, Any]) -> dict[str, Cell]:
+        """Cells of the jobs, and of those that followed, that could be begun within the budget, by key.
+
+        Then the engines of the manifest are told their cards.
+        """
         waiting = [job for job in left if job.absent is None]
         done = {job.key: self._finish(folder, absent(job), 0.0) for job in left if job.absent is not None}
         running: dict[Future[Run], tuple[Job, float]] = {}
@@ -221,8 +247,11 @@ class Execution:
                         run = future.result()
                         cell = judged(job, run, folder.keep(job.key, run))
                         done[job.key] = self._finish(folder, cell, time.monotonic() - since)
+                        if new := self._follow(manifest, job, cell):
+                            waiting += new
+                            folder.describe(manifest)
                 if self.options.card and not self._spent(begun):
-                    read_cards(self.jobs, engines, workers, threads, self.options.timeout)
+                    read_cards(self.jobs, manifest["engines"], workers, threads, self.options.timeout)
             finally:
                 workers.close()  # before the threads are joined: they wait for their workers
         return done
@@ -250,3 +279,15 @@ class Execution:
         folder.append(cell)
         self.watcher.finished(cell, seconds)
         return cell
+
+
+def _enter(manifest: dict[str, Any], jobs: Sequence[Job]) -> None:
+    """Write jobs into a manifest: the plan, and what there is to say of their scenarios and engines."""
+    manifest["plan"] += [
+        {"key": j.key, "scenario": j.scenario.name, "engine": j.engine, "version": j.version,
+         "settings": dict(j.settings), "reproduce": j.reproduce}
+        for j in jobs
+    ]  # fmt: skip
+    fresh = {j.scenario.name: j.scenario for j in jobs if j.scenario.name not in manifest["scenarios"]}
+    manifest["scenarios"] |= described(fresh.values())
+    manifest["engines"] |= described_engines(j for j in jobs if j.engine not in manifest["engines"])

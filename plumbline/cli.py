@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from plumbline.cli_ladder import ladder
 from plumbline.cli_run import run
 from plumbline.command import as_json, harness, plug_in, register, usage
 
@@ -56,18 +57,19 @@ def cli() -> None:
 
 
 cli.add_command(run)
+cli.add_command(ladder)
 
 
 @cli.command("list")
-@click.argument("what", required=False, type=click.Choice(["engines", "scenarios", "metrics", "suites"]))
+@click.argument("what", required=False, type=click.Choice(["engines", "scenarios", "metrics", "suites", "ladders"]))
 @plug_in
 @as_json
 def list_(what: str | None, plugins: tuple[str, ...], json_: bool) -> None:
-    """List engines, scenarios, metrics and suites."""
+    """List engines, scenarios, metrics, suites and ladders."""
     from plumbline import listing
 
     register(plugins)
-    listing.show((what,) if what else ("engines", "suites", "scenarios", "metrics"), json_)
+    listing.show((what,) if what else ("engines", "suites", "scenarios", "ladders", "metrics"), json_)
 
 
 @cli.command()

@@ -1,4 +1,4 @@
-"""What there is: engines, suites, scenarios, metrics."""
+"""What there is: engines, suites, scenarios, ladders, metrics."""
 
 from __future__ import annotations
 
@@ -37,6 +37,16 @@ def scenarios() -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
+def ladders() -> list[dict[str, Any]]:
+    """Every ladder, with its rungs from easy to hard."""
+    from scenarios.ladder import find
+
+    return [
+        {"name": one.name, "unit": one.unit, "rungs": list(one.rungs), "raises": one.raises, "family": one.family}
+        for one in find()
+    ]
+
+
 def metrics() -> list[dict[str, Any]]:
     """Every quantity the comparisons measure."""
     from comparisons.judge import describe_quantities
@@ -51,6 +61,7 @@ SECTIONS: dict[str, Callable[[], list[dict[str, Any]]]] = {
     "engines": engines,
     "suites": suites,
     "scenarios": scenarios,
+    "ladders": ladders,
     "metrics": metrics,
 }
 
@@ -76,6 +87,9 @@ def _line(section: str, row: dict[str, Any]) -> tuple[str, ...]:
     if section == "scenarios":
         variants = f"{row['variants']} variants" if row["variants"] > 1 else ""
         return row["name"], ", ".join(row["suites"]), variants, row["summary"]
+    if section == "ladders":
+        unit = "" if row["unit"] == "1" else f" {row['unit']}"
+        return row["name"], f"{row['rungs'][0]:g} to {row['rungs'][-1]:g}{unit}", row["raises"]
     return row["name"], row["unit"], row["meaning"]
 
 

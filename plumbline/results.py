@@ -168,6 +168,7 @@ def merged(results: Sequence[Results]) -> Results:
         scenarios={k: v for r in results for k, v in r.campaign.scenarios.items()},
         engines={k: v for r in results for k, v in r.campaign.engines.items()},
         cells=tuple(cells.values()),
+        ladders={k: v for r in results for k, v in r.campaign.ladders.items()},
     )
     return Results(joined, results[0].folder, tuple(s for r in results for s in r.known))
 

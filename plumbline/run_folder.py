@@ -164,7 +164,7 @@ def read_campaign(path: str | Path) -> Campaign:
 def campaign(manifest: Mapping[str, Any], cells: tuple[Cell, ...]) -> Campaign:
     """Campaign of a manifest and cells in the order of its plan."""
     names = ("id", "title", "command", "started", "wall_seconds", "fingerprint", "scenarios", "engines")
-    return Campaign(**{name: manifest[name] for name in names}, cells=cells)
+    return Campaign(**{name: manifest[name] for name in names}, cells=cells, ladders=manifest.get("ladders", {}))
 
 
 def _not_run(entry: Mapping[str, Any], manifest: Mapping[str, Any], reason: str) -> Cell:

@@ -45,6 +45,7 @@ def write(
     """
     from reports import tables
     from reports.junit import junit
+    from reports.ladders import without_ladders
     from reports.markdown import markdown
     from reports.page import page
     from reports.series import declared_restitution, look_up, time_series
@@ -55,10 +56,11 @@ def write(
         "index.html", "summary.md", "junit.xml", "measurements.csv", "measurements.parquet", "cells.csv"
     )}  # fmt: skip
     known = look_up(campaign) if known is None else known
-    curves = time_series(campaign, traces or {}, known)
-    recorded = {c.scenario for c in campaign.cells if traces and c.key in traces}
+    suite = without_ladders(campaign)
+    curves = time_series(suite, traces or {}, known)
+    recorded = {c.scenario for c in suite.cells if traces and c.key in traces}
     html = page(campaign, curves, len(recorded) - len(curves), declared_restitution(known))
-    texts = {"index.html": html, "summary.md": markdown(campaign), "junit.xml": junit(campaign)}
+    texts = {"index.html": html, "summary.md": markdown(campaign), "junit.xml": junit(suite)}
     for name, text in texts.items():
         paths[name].write_bytes(text.encode("utf-8", "replace"))
     tables.write_csv(tables.measurement_rows(campaign), tables.COLUMNS, paths["measurements.csv"])

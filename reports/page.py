@@ -17,6 +17,8 @@ from reports.card import cards, incomparable, lines, remarks
 from reports.charts import cost_figures, has_point
 from reports.drawing import asset, marker_shape, svg
 from reports.findings import findings
+from reports.ladders import LEGEND as RUNGS
+from reports.ladders import chapters, without_ladders
 from reports.matrix import matrix
 from reports.numbers import count, duration_text, settings_text, short, unit_text, with_unit
 from reports.palette import base, css, profile, slug
@@ -79,11 +81,12 @@ def page(
         Scenario -> coefficient of restitution it declares.
     """
     script, style = asset("page.js"), css(tuple(engines(campaign))) + asset("figure.css") + asset("page.css")
-    shown = matrix(campaign)
-    standing = groups(campaign)
+    suite = without_ladders(campaign)
+    shown = matrix(suite)
+    standing = groups(suite)
     views = {e: _engine(campaign, e) for e in engines(campaign)}
-    costed = cost_figures(campaign)
-    leading = first_of_family(campaign, [f.title for f in costed])
+    costed = cost_figures(suite)
+    leading = first_of_family(suite, [f.title for f in costed])
     return _template().render(
         campaign=campaign,
         title=campaign.title or campaign.id,
@@ -98,18 +101,20 @@ def page(
         legend=LEGEND,
         costs=[(f.title, svg(f)) for f in costed if f.title in leading],
         variants=[(f.title, svg(f)) for f in costed if f.title not in leading],
-        uncosted=_uncosted(campaign),
-        balance=balance(campaign, asked or {}),
+        uncosted=_uncosted(suite),
+        balance=balance(suite, asked or {}),
+        ladders=chapters(campaign),
+        ladder_legend=RUNGS,
         series=[(c.scenario, [(f.title, svg(f, 560.0, 230.0)) for f in c.figures], c.remark) for c in curves],
         undrawn=undrawn,
         card=lines(cards(campaign)),
         carded=tuple(cards(campaign)),
         card_remarks=remarks(cards(campaign)),
         quantities=_quantities(campaign),
-        chapters=findings(campaign),
+        chapters=findings(suite),
         cells=_cells(campaign),
         states=list(dict.fromkeys(mark(c).word for c in campaign.cells)),
-        totals=totals(campaign),
+        totals=totals(suite),
         tolerances=_tolerances(campaign),
         profiles=_profiles(campaign, views),
         facts=_facts(campaign),

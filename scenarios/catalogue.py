@@ -21,8 +21,8 @@ class UnknownName(ValueError):
 @cache
 def families() -> dict[str, Family]:
     """Every family of the catalogue by name, sorted."""
-    for module in pkgutil.iter_modules(scenarios.__path__):
-        importlib.import_module(f"scenarios.{module.name}")
+    for module in pkgutil.walk_packages(scenarios.__path__, "scenarios."):
+        importlib.import_module(module.name)
     return dict(sorted(FAMILIES.items()))
 
 

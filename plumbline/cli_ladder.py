@@ -1,0 +1,112 @@
+"""The verb `ladder`: raise one difficulty after the other until each engine breaks."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from plumbline.cli_run import command, seconds
+from plumbline.command import as_json, harness, plug_in, register, terminable, usage
+
+if TYPE_CHECKING:
+    from plumbline.results import Results
+
+DEADLINE = 30.0  # of a rung [s]
+
+
+@click.command("ladder")
+@click.argument("names", nargs=-1, metavar="[NAME]...")
+@click.option("-e", "--engine", "engines", multiple=True, metavar="NAME",
+              help="Engine or glob; ! in front leaves out (repeatable). Default: all.")  # fmt: skip
+@click.option("-j", "--jobs", type=click.IntRange(1), default=1, show_default=True, help="Engines at the same time.")
+@click.option("--timeout", callback=seconds, help="Of a rung; an engine that takes longer is too slow.  [default: 30s]")
+@click.option("--budget", callback=seconds, help="Of the run; what has not begun by then is not run.")
+@click.option("--memory", type=click.FloatRange(0.0), default=8.0, show_default=True,
+              help="GiB of address space for each engine; 0 = no limit.")  # fmt: skip
+@click.option("--out", metavar="DIR", help="Folder of the run; finished rungs in it are kept.  [default: in runs/]")
+@click.option("--rerun", type=click.Choice(["failed", "all"]), help="Try rungs that failed, or all, again.")
+@click.option("--progress", "style", type=click.Choice(["auto", "plain", "off"]), default="auto", show_default=True)
+@plug_in
+@as_json
+def ladder(names: tuple[str, ...], **asked: Any) -> int:
+    """Raise one difficulty rung by rung until each engine breaks, and say how.
+
+    Breaking is what ladders are for, so the exit code is 0 whoever breaks; `plumbline list ladders` names them.
+
+    \b
+    plumbline ladder                               every ladder, every installed engine
+    plumbline ladder mass-ratio 'stack-*'          some of them
+    plumbline ladder step-size -e 'mujoco*'        some engines
+    """  # fmt: skip
+    register(asked["plugins"])
+    with usage():
+        from adapters import registry
+        from plumbline.climbing import Climbers
+        from scenarios.ladder import find
+
+        climbers = Climbers(find(names), registry.select(asked["engines"]))
+    jobs = climbers.start()
+    if not jobs:
+        click.echo("nothing is selected: no engine has the knob that is raised", err=True)
+        return 5
+    results = _climb(climbers, jobs, ", ".join(names) or "all ladders", asked)
+    with harness():
+        paths = results.report()
+    told = rows(results)
+    if asked["json_"]:
+        click.echo(json.dumps({"folder": str(results.folder), "frontiers": told}, indent=1))
+    else:
+        show(told)
+        click.echo(f"report: {paths['index.html']}")
+    code = results.exit_code(())
+    return code if code in (4, 5) else 0
+
+
+def _climb(climbers: Any, jobs: tuple[Any, ...], title: str, asked: dict[str, Any]) -> Results:
+    from rich.console import Console
+
+    from plumbline.campaign import Execution, Options
+    from plumbline.progress import progress
+    from plumbline.run_folder import new_id
+
+    options = Options(asked["jobs"], 1, asked["timeout"] or DEADLINE, asked["budget"],
+                      round(asked["memory"] * 2**30), asked["rerun"] or "none")  # fmt: skip
+    folder = Path(asked["out"]) if asked["out"] else Path("runs") / new_id()
+    with harness(), terminable(), progress(asked["style"], Console(stderr=True)) as display:
+        execution = Execution(jobs, folder, f"Ladders: {title}", command(), options, display, climbers.after,
+                              {"ladders": climbers.told}, climbers.most)  # fmt: skip
+        try:
+            return execution.run()
+        except KeyboardInterrupt:
+            click.echo(f"interrupted; what is finished is kept, `--out {folder}` goes on from there", err=True)
+            raise
+
+
+def rows(results: Results) -> list[dict[str, Any]]:
+    """One row for each ladder and engine: last good rung, first bad rung, how and why it broke."""
+    from reports.ladders import climbs
+
+    return [
+        {"ladder": c.ladder, "engine": c.engine, "unit": c.unit, "last good": c.frontier.good,
+         "first bad": c.frontier.bad, "broke": c.frontier.word, "silent": c.frontier.silent,
+         "holds again at": list(c.frontier.again), "why": c.why}
+        for c in climbs(results.campaign)
+    ]  # fmt: skip
+
+
+def show(told: list[dict[str, Any]]) -> None:
+    """Print the frontiers, ladder by ladder."""
+    from plumbline.listing import table
+    from reports.numbers import with_unit
+
+    def said(row: dict[str, Any], name: str) -> str:
+        return "–" if row[name] is None else with_unit(row[name], row["unit"])
+
+    lines = [("ladder", "engine", "holds to", "breaks at", "how", "why")]
+    for row in told:
+        why = row["why"] if len(row["why"]) < 100 else row["why"][:99] + "…"
+        lines.append((row["ladder"], row["engine"], said(row, "last good"), said(row, "first bad"), row["broke"], why))
+    table(lines)
