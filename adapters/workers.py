@@ -16,6 +16,7 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import json
+import math
 import os
 import re
 import signal
@@ -23,9 +24,11 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 from collections.abc import Sequence
 from dataclasses import replace
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from adapters import registry
@@ -74,8 +77,17 @@ class Workers:
         settings: Settings | None = None,
         repeats: int = 1,
         timeout: float = TIMEOUT,
+        patience: float = 1.0,
     ) -> Run:
         """As `adapters.run.run`, in the engine's own process; whatever ends that process ends as a Run, too.
+
+        Parameters
+        ----------
+        timeout : float
+            Time after which the process is killed [s].
+        patience : float
+            At most so many times as long is waited for a process that has not had `timeout` seconds of CPU time:
+            on a machine that is busy with other things an engine is not slow for that.
 
         Raises
         ------
@@ -84,7 +96,7 @@ class Workers:
         Unavailable, UnknownName
             If there is no such engine here.
         """
-        return self._worker(engine).run(scene, times, settings, repeats, timeout)
+        return self._worker(engine).run(scene, times, settings, repeats, timeout, patience)
 
     def check(self, engine: str, timeout: float = TIMEOUT) -> tuple[Law, ...] | Failure:
         """As `adapters.conformance.check_engine`, in the engine's own process; a Failure if it did not survive.
@@ -143,7 +155,15 @@ class Worker:
         self._log = tempfile.TemporaryFile(buffering=0)  # noqa: SIM115  lives as long as the worker
         fcntl.fcntl(self._log, fcntl.F_SETFL, fcntl.fcntl(self._log, fcntl.F_GETFL) | os.O_APPEND)
 
-    def run(self, scene: Scene, times: Sequence[float], settings: Settings | None, repeats: int, timeout: float) -> Run:
+    def run(
+        self,
+        scene: Scene,
+        times: Sequence[float],
+        settings: Settings | None,
+        repeats: int,
+        timeout: float,
+        patience: float = 1.0,
+    ) -> Run:
         """Run one job; see `Workers.run`."""
         chosen, sampled = checked_settings(self._engine, settings), checked_times(times)
         blank = Run(
@@ -155,7 +175,7 @@ class Worker:
         )
         with self._busy:
             try:
-                answer = self._do("run", (scene, sampled, chosen, repeats), timeout)
+                answer = self._do("run", (scene, sampled, chosen, repeats), timeout, patience)
                 if not isinstance(answer, Run):
                     raise _Broken("error", answer)
             except _Broken as broken:
@@ -215,7 +235,7 @@ class Worker:
             raise _Broken("error", problem)
         self._log.truncate(0)  # what is printed on import belongs to no cell
 
-    def _do(self, task: str, words: tuple[Any, ...], timeout: float) -> Any:
+    def _do(self, task: str, words: tuple[Any, ...], timeout: float, patience: float = 1.0) -> Any:
         """What the process answers to a job; _Broken if it does not."""
         self._scratch.clear()
         self._log.truncate(0)
@@ -225,17 +245,33 @@ class Worker:
             self._jobs.send((task, words))
         except BrokenPipeError:
             raise self._death() from None
-        return self._receive(timeout)
+        return self._receive(timeout, patience)
 
-    def _receive(self, timeout: float) -> Any:
+    def _receive(self, timeout: float, patience: float = 1.0) -> Any:
         assert self._answers is not None
         try:
-            if not self._answers.poll(timeout):
+            if not self._answered(timeout, patience):
                 self._end()
-                raise _Broken("timeout", f"killed after {timeout:g} s")
+                raise _Broken("timeout", f"killed after {timeout:g} s{' of CPU time' if patience > 1.0 else ''}")
             return self._answers.recv()
         except (EOFError, OSError):
             raise self._death() from None
+
+    def _answered(self, timeout: float, patience: float) -> bool:
+        """Whether there is an answer before the deadline, which waits, with patience, for the process's CPU time."""
+        assert self._answers is not None
+        assert self._process is not None
+        if patience <= 1.0:
+            return self._answers.poll(timeout)
+        due = _cpu_seconds(self._process.pid) + timeout
+        last = time.monotonic() + patience * timeout
+        wait = timeout
+        while not self._answers.poll(max(wait, 0.05)):
+            now = _cpu_seconds(self._process.pid)
+            wait = min(due - now, last - time.monotonic()) if now < math.inf else 0.0
+            if wait <= 0.0:
+                return False
+        return True
 
     def _death(self) -> _Broken:
         assert self._process is not None
@@ -278,6 +314,15 @@ class Worker:
         size = os.fstat(self._log.fileno()).st_size
         start = max(0, size - TAIL)
         return os.pread(self._log.fileno(), size - start, start).decode(errors="replace").strip()
+
+
+def _cpu_seconds(process: int) -> float:
+    """CPU time a process has had [s]; infinite where the system does not say, so that nobody waits for it."""
+    try:
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return math.inf
+    return sum(map(int, fields[11:13])) / os.sysconf("SC_CLK_TCK")  # utime and stime
 
 
 def _short_of_memory(run: Run) -> Run:

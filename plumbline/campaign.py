@@ -66,6 +66,8 @@ class Options:
         Of one cell [s]; then its process is killed.
     budget : float or None
         Of the whole campaign [s]; no cell begins after it, and what has not begun is `not-run`.
+    patience : float
+        How many times the deadline a cell may take on a busy machine until it has had that much CPU time.
     memory : int
         Address space of one engine [bytes]; 0 = no limit.
     rerun : str
@@ -79,6 +81,7 @@ class Options:
     memory: int = MEMORY
     rerun: str = "none"
     card: bool = True
+    patience: float = 1.0
 
     def __post_init__(self) -> None:
         for name, least in (("jobs", 1), ("repeats", 1), ("memory", 0)):
@@ -270,7 +273,8 @@ class Execution:
         times = sample_times(job.scenario.duration, job.scenario.sampling)
         options = self.options
         try:
-            return workers.run(job.engine, job.scenario.scene, times, job.settings, options.repeats, options.timeout)
+            return workers.run(job.engine, job.scenario.scene, times, job.settings, options.repeats, options.timeout,
+                               options.patience)  # fmt: skip
         except Exception as error:  # an adapter may raise outside of its process, too: when asked for its lead
             failure = Failure("error", "start", 0.0, f"{type(error).__name__}: {error}")
             return Run(job.engine, job.version, dict(job.settings), failure)

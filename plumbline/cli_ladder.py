@@ -14,7 +14,8 @@ from plumbline.command import as_json, harness, plug_in, register, terminable, u
 if TYPE_CHECKING:
     from plumbline.results import Results
 
-DEADLINE = 30.0  # of a rung [s]
+DEADLINE = 30.0  # of a rung, in CPU time of the engine [s]
+PATIENCE = 10.0  # times as long may a rung take on a machine that is busy
 
 
 @click.command("ladder")
@@ -22,7 +23,9 @@ DEADLINE = 30.0  # of a rung [s]
 @click.option("-e", "--engine", "engines", multiple=True, metavar="NAME",
               help="Engine or glob; ! in front leaves out (repeatable). Default: all.")  # fmt: skip
 @click.option("-j", "--jobs", type=click.IntRange(1), default=1, show_default=True, help="Engines at the same time.")
-@click.option("--timeout", callback=seconds, help="Of a rung; an engine that takes longer is too slow.  [default: 30s]")
+@click.option(
+    "--timeout", callback=seconds, help="Of a rung, in CPU time; an engine that needs more is too slow.  [default: 30s]"
+)
 @click.option("--budget", callback=seconds, help="Of the run; what has not begun by then is not run.")
 @click.option("--memory", type=click.FloatRange(0.0), default=8.0, show_default=True,
               help="GiB of address space for each engine; 0 = no limit.")  # fmt: skip
@@ -45,6 +48,7 @@ def ladder(names: tuple[str, ...], **asked: Any) -> int:
     with usage():
         from adapters import registry
         from plumbline.climbing import Climbers
+        from plumbline.frontiers import rows, show
         from scenarios.ladder import find
 
         climbers = Climbers(find(names), registry.select(asked["engines"]))
@@ -55,7 +59,7 @@ def ladder(names: tuple[str, ...], **asked: Any) -> int:
     results = _climb(climbers, jobs, ", ".join(names) or "all ladders", asked)
     with harness():
         paths = results.report()
-    told = rows(results)
+    told = rows(results.campaign)
     if asked["json_"]:
         click.echo(json.dumps({"folder": str(results.folder), "frontiers": told}, indent=1))
     else:
@@ -73,7 +77,7 @@ def _climb(climbers: Any, jobs: tuple[Any, ...], title: str, asked: dict[str, An
     from plumbline.run_folder import new_id
 
     options = Options(asked["jobs"], 1, asked["timeout"] or DEADLINE, asked["budget"],
-                      round(asked["memory"] * 2**30), asked["rerun"] or "none")  # fmt: skip
+                      round(asked["memory"] * 2**30), asked["rerun"] or "none", PATIENCE)  # fmt: skip
     folder = Path(asked["out"]) if asked["out"] else Path("runs") / new_id()
     with harness(), terminable(), progress(asked["style"], Console(stderr=True)) as display:
         execution = Execution(jobs, folder, f"Ladders: {title}", command(), options, display, climbers.after,
@@ -83,30 +87,3 @@ def _climb(climbers: Any, jobs: tuple[Any, ...], title: str, asked: dict[str, An
         except KeyboardInterrupt:
             click.echo(f"interrupted; what is finished is kept, `--out {folder}` goes on from there", err=True)
             raise
-
-
-def rows(results: Results) -> list[dict[str, Any]]:
-    """One row for each ladder and engine: last good rung, first bad rung, how and why it broke."""
-    from reports.ladders import climbs
-
-    return [
-        {"ladder": c.ladder, "engine": c.engine, "unit": c.unit, "last good": c.frontier.good,
-         "first bad": c.frontier.bad, "broke": c.frontier.word, "silent": c.frontier.silent,
-         "holds again at": list(c.frontier.again), "why": c.why}
-        for c in climbs(results.campaign)
-    ]  # fmt: skip
-
-
-def show(told: list[dict[str, Any]]) -> None:
-    """Print the frontiers, ladder by ladder."""
-    from plumbline.listing import table
-    from reports.numbers import with_unit
-
-    def said(row: dict[str, Any], name: str) -> str:
-        return "–" if row[name] is None else with_unit(row[name], row["unit"])
-
-    lines = [("ladder", "engine", "holds to", "breaks at", "how", "why")]
-    for row in told:
-        why = row["why"] if len(row["why"]) < 100 else row["why"][:99] + "…"
-        lines.append((row["ladder"], row["engine"], said(row, "last good"), said(row, "first bad"), row["broke"], why))
-    table(lines)

@@ -15,9 +15,10 @@ from rich.console import Console
 
 from comparisons.cell import cell_to_json
 from comparisons.published import Figure
-from plumbline import published
+from plumbline import frontiers, published
 from plumbline.results import FAIL_ON, SENTENCES, Results
 from plumbline.run_folder import FolderError
+from reports.ladders import without_ladders
 
 WIDE = 180  # columns
 
@@ -88,11 +89,14 @@ def finish(
         click.echo(json.dumps(told if found is None else told | {"figures": found}, indent=1))
         return code
     console = wide_console()
-    if found is None:
+    if results.campaign.ladders:
+        frontiers.show(frontiers.rows(results.campaign))
+    suite = without_ladders(results.campaign)
+    if found is None and (suite.cells or not results.campaign.ladders):
         from reports.terminal import show
 
-        show(results.campaign, console)
-    else:
+        show(suite, console)
+    elif found is not None:
         published.show(found, console)
     say_commands(results)
     if results.campaign.cells and code:

@@ -191,3 +191,14 @@ def alive(pid):
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except (FileNotFoundError, ProcessLookupError):
         return False
+
+
+def test_a_patient_deadline_is_one_of_cpu_time(workers):
+    """Who sleeps has no CPU time and is waited for as long as the patience lasts, and no longer."""
+    faulty(workers, "none")  # the process is there, so that only the run is clocked
+    begun = time.monotonic()
+    asleep = workers.run("toy:faulty", SCENE, TIMES, {"fault": "hang"}, timeout=0.3, patience=6.0)
+    waited = time.monotonic() - begun
+    assert asleep.outcome.state == "timeout"
+    assert "killed after 0.3 s of CPU time" in asleep.outcome.reason
+    assert waited >= 6.0 * 0.3
