@@ -30,7 +30,7 @@ class Climbers:
     ----------
     ladders : sequence of Ladder
     engines : sequence of str
-        Names; those that lack the knob of a ladder do not climb it.
+        Names; those that lack the knob of a ladder, or have the one that it bars, do not climb it.
     """
 
     def __init__(self, ladders: Sequence[Ladder], engines: Sequence[str]) -> None:
@@ -86,8 +86,9 @@ class Climbers:
 
 
 def _can(ladder: Ladder, engine: str) -> bool:
-    """Whether the engine has what the ladder raises; one that is not installed is shown as that."""
+    """Whether the engine has what the ladder raises, and not what keeps it off; one not installed is shown as that."""
     try:
-        return not ladder.knob or ladder.knob in registry.engine(engine).knobs
+        knobs = registry.engine(engine).knobs
+        return (not ladder.knob or ladder.knob in knobs) and ladder.lacking not in knobs
     except registry.Unavailable:
         return not ladder.knob

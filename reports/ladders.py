@@ -80,7 +80,8 @@ def glyph(word: str) -> str:
 def _climbs(name: str, told: Mapping[str, Any], cells: Mapping[str, Cell]) -> Iterator[Climbed]:
     falling = told["rungs"][0] > told["rungs"][-1]
     for engine in engine_order(told["climbs"]):
-        made = [(rung, cells[key]) for rung, key in told["climbs"][engine] if key in cells]
+        tried = [(rung, cells[key]) for rung, key in told["climbs"][engine] if key in cells]
+        made = [(rung, cell) for rung, cell in tried if cell.state != "not-run"]
         tries = tuple(Try(float(rung), how(cell)) for rung, cell in made)
         edge = frontier(tries, falling)
         why = next((sentence(cell) for rung, cell in made if rung == edge.bad), "")

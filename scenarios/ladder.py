@@ -40,6 +40,8 @@ class Ladder:
         Of the family, that takes the rungs' values; "" if they are values of `knob`.
     knob : str
         Of the engine; engines that do not have it do not climb.
+    lacking : str
+        A knob that keeps engines that have it from this ladder; "" for none.
     fixed : mapping
         Other parameters of the family.
     monotone : bool
@@ -54,6 +56,7 @@ class Ladder:
     rungs: tuple[float, ...]
     parameter: str = ""
     knob: str = ""
+    lacking: str = ""
     fixed: Mapping[str, object] = field(default_factory=dict)
     monotone: bool = True
 

@@ -44,5 +44,5 @@ LADDERS = (
     Ladder("landing-tilt", "tilt of a cube that lands on an edge, towards landing flat", "deg", "tilted-landing",
            (40, 20, 10, 3, 1, 0.1, 0.01, 1e-4, 1e-6), "tilt", monotone=False),
     Ladder("tolerance", "tolerance of an engine without time steps, a cube that lands on an edge", "1",
-           "tilted-landing", (1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2), knob="tolerance"),
+           "tilted-landing", (1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2), knob="tolerance", lacking="dt"),
 )  # fmt: skip
