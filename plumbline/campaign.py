@@ -72,6 +72,8 @@ class Options:
         Address space of one engine [bytes]; 0 = no limit.
     rerun : str
         What to run again of what the folder holds: "none", "failed" or "all".
+    card : bool
+        Whether the engines are asked, after the cells, what they really apply.
     """
 
     jobs: int = 2

@@ -75,8 +75,15 @@ def _climb(climbers: Any, jobs: tuple[Any, ...], title: str, asked: dict[str, An
     from plumbline.progress import progress
     from plumbline.run_folder import new_id
 
-    options = Options(asked["jobs"], 1, asked["timeout"] or DEADLINE, asked["budget"],
-                      round(asked["memory"] * 2**30), asked["rerun"] or "none", PATIENCE)  # fmt: skip
+    options = Options(
+        jobs=asked["jobs"],
+        timeout=asked["timeout"] or DEADLINE,
+        budget=asked["budget"],
+        memory=round(asked["memory"] * 2**30),
+        rerun=asked["rerun"] or "none",
+        card=False,
+        patience=PATIENCE,
+    )
     folder = Path(asked["out"]) if asked["out"] else Path("runs") / new_id()
     with harness(), terminable(), progress(asked["style"], Console(stderr=True)) as display:
         execution = Execution(jobs, folder, f"Ladders: {title}", command(), options, display, climbers.after,
