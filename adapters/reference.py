@@ -213,15 +213,15 @@ class Reference(Profile):
 class Lecture(Profile):
     """The algorithm of Baraff's lecture notes; `reference_impl.lecture` tells its faults."""
 
-    knobs: Mapping[str, tuple[float, ...]] = {"dt": TIME_STEPS}
-    defaults: Mapping[str, float] = {"dt": 1e-3}
+    knobs: Mapping[str, tuple[float, ...]] = {"dt": TIME_STEPS, "tolerance": (1e-6, 1e-9, 1e-12)}
+    defaults: Mapping[str, float] = {"dt": 1e-3, "tolerance": 1e-12}
     table = "LECTURE"
     sample = "smoke"  # in every report the default is compared with it there; on everything it takes minutes
     events = _events
     profile: Mapping[str, str] = {
         "integrator = Runge-Kutta 4, step dt": "as in the notes; `reference` flies exact paths between contacts",
-        "time of contact = bisection": "penetration is looked for at the end of a step, then the step is halved; "
-        "`reference` advances conservatively and misses no contact",
+        "time of contact = bisection": "penetration is looked for at the end of a step, then the step is halved until "
+        "it is `tolerance` of the smallest body deep; `reference` advances conservatively and misses no contact",
         "impact law = sequential": "the notes give impulses one contact at a time; `reference` lets them propagate",
         "resting contact = OSQP on A f + b": "the notes' quadratic program, whose matrix squares the condition number; "
         "`reference` solves it in its factors, certified",
@@ -231,7 +231,7 @@ class Lecture(Profile):
     def _begin(self, scene: Scene, knobs: Settings) -> Any:
         from reference_impl.lecture import begin
 
-        return begin(scene, float(knobs["dt"]))
+        return begin(scene, float(knobs["dt"]), float(knobs["tolerance"]))
 
 
 class Penalty(Profile):

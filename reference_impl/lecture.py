@@ -13,7 +13,8 @@ State, shapes, impulse formula and quadratic program are the house's; the algori
 kept to be compared with `simulate`, and has the faults of its kind:
 
 - a contact that comes and goes within a step is never seen;
-- a contact is found when it overlaps by the tolerance, and what a step leaves of a gap stays there;
+- a contact is found when it overlaps by the tolerance, and late by that over its speed; what a step leaves of a gap
+  stays there;
 - contacts met at once get impulses in turn, so that a flat landing depends on the order of the corners;
 - approach slower than a step of free fall does not bounce (the threshold between collision and rest);
 - A squares the condition number: under a heavy lid OSQP's answer is none, and the certificate says so.
@@ -26,6 +27,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from mechanics.scene import Scene
+from mechanics.shapes import Box, HalfSpace, Sphere
 from reference_impl.assemble import LECTURE
 from reference_impl.collide.detect import Contacts
 from reference_impl.contact_problem import USABLE, residual
@@ -37,7 +39,9 @@ from reference_impl.fixed_step import Stepped, pull_of, runge_kutta4, size_of
 from reference_impl.kernels import cross, kernel
 from reference_impl.record import Collided, Held
 
-TOLERANCE = 1e-6  # overlap that counts as penetration [size of the smallest body]
+TOLERANCE = 1e-12  # overlap that counts as penetration [size of the smallest body]
+TOUCH = 2e-6  # gap up to which bodies rest on each other [size of the smallest body]
+FAR = 1e-3  # the same beside the rounding of coordinates, which bodies far from the origin have [distance]
 QUIET = 1e-9  # slower approach is none [speed scale]
 HALVINGS = 60  # of a step, then its length is at the end of double precision
 CONTACTS = 1000  # times of contact in one step
@@ -60,6 +64,7 @@ class LectureWorld(Stepped):
     """A scene on its way by the lecture's algorithm."""
 
     tolerance: float = 0.0  # [m]
+    touch: float = 0.0  # [m]
     floor: float = 0.0  # slower approach is none [m/s]
     audit: Audit = field(default_factory=Audit)
     programs: dict[int, SquareProgram] = field(default_factory=dict)
@@ -81,12 +86,12 @@ class LectureWorld(Stepped):
             resting = self.resting(contacts)
             known = self.penetrations(self.y)
             after = self.ode(resting, end)
-            overlaps = self.penetrations(after)
-            if not overlaps.keys() - known.keys():
+            overlaps, met = self.penetrations(after), known.keys() | self.pressed()
+            if not overlaps.keys() - met:
                 self.y, self.t = after, end
                 self.audit.gap = min(self.audit.gap, *overlaps.values(), 0.0)
                 return
-            self.bisect(resting, known, end, after)
+            self.bisect(resting, met, end, after)
             if self.t == end:
                 return
         raise Stalled(f"{CONTACTS} times of contact in a step of {self.dt:.3g} s", self.t)
@@ -114,8 +119,8 @@ class LectureWorld(Stepped):
     # time of contact
 
     def contacts(self) -> Contacts:
-        """The features that touch now, within twice the tolerance above the surface."""
-        kinds, reals = self.overlaps.features(self.pose(self.y), 2.0 * self.tolerance)
+        """The features that overlap now, or are so close that bodies rest on them."""
+        kinds, reals = self.overlaps.features(self.pose(self.y), self.touch)
         return Contacts(kinds, reals, np.zeros(len(kinds), dtype=np.int64))
 
     def penetrations(self, y: np.ndarray) -> dict[tuple[int, ...], float]:
@@ -128,7 +133,16 @@ class LectureWorld(Stepped):
         gap = island.problem(pose, self.bodies).k.gap
         return {tuple(row): value for row, value in zip(kinds.tolist(), gap.tolist(), strict=True)}
 
-    def bisect(self, resting: list[Island], known: dict[tuple[int, ...], float], end: float, after: np.ndarray) -> None:
+    def pressed(self) -> set[tuple[int, ...]]:
+        """Features that push at the end of the step: what a step changes of their gaps is no collision."""
+        return {
+            tuple(row)
+            for island, _, f in self.pushing
+            for row, push in zip(island.contacts.kinds.tolist(), f.tolist(), strict=True)
+            if push > 0.0
+        }
+
+    def bisect(self, resting: list[Island], known: set[tuple[int, ...]], end: float, after: np.ndarray) -> None:
         """Go to the time at which a feature that is not `known` overlaps by the tolerance, and at most by twice that.
 
         `after` is the state at `end`, in which some do.  Every trial integrates anew from the start of the step.
@@ -141,7 +155,7 @@ class LectureWorld(Stepped):
                 break
             y = self.ode(resting, middle)
             self.audit.halvings += 1
-            if self.penetrations(y).keys() - known.keys():
+            if self.penetrations(y).keys() - known:
                 high, after = middle, y
             else:
                 low = middle
@@ -157,7 +171,12 @@ class LectureWorld(Stepped):
         island = Island.of(contacts, self.bodies)
         pose = self.pose(self.y)
         problem = island.problem(pose, self.bodies)
-        if problem.k.rate.min() >= -self.floor:
+        there = (problem.k.gap <= 2.0 * self.tolerance) | (problem.k.rate >= -self.threshold)
+        if not there.all():  # what is still on its way collides when it arrives
+            contacts = contacts.chosen(there)
+            island = Island.of(contacts, self.bodies)
+            problem = island.problem(pose, self.bodies)
+        if problem.k.rate.min(initial=0.0) >= -self.floor:
             return
         law, ends = self.parts.law, contacts.kinds[:, :2].tolist()
         names = [(self.scene.names[a], self.scene.names[b]) for a, b in ends]
@@ -261,21 +280,34 @@ def _press(kinds, normal, point, f, x, force, torque):
                 torque[i, c] += turn[c]
 
 
-def begin(scene: Scene, dt: float) -> LectureWorld:
-    """World of a scene at t = 0, with steps of `dt` [s].
+def begin(scene: Scene, dt: float, tolerance: float = TOLERANCE) -> LectureWorld:
+    """World of a scene at t = 0.
+
+    Parameters
+    ----------
+    dt : float
+        Time step [s].
+    tolerance : float
+        Overlap at which a contact is found, relative to the smallest body; bisection stops at once to twice that.
 
     Raises
     ------
     Unsupported, Overlap
-        As `fixed_step.Stepped.of`; meshes do not touch here.
+        As `fixed_step.Stepped.of`; spheres, boxes and half-spaces touch here.
+    ValueError
+        If the tolerance is out of range.
     """
+    if not 1e-13 <= tolerance <= 1e-2:
+        raise ValueError(f"tolerance = {tolerance!r}; allowed: a number from 1e-13 to 1e-2")
+    for body in (scene.bodies[i] for pair in scene.pairs() for i in pair):
+        if not isinstance(body.shape, (Sphere, Box, HalfSpace)):
+            kind = type(body.shape).__name__
+            raise Unsupported(f"contact of body {body.name!r}, a {kind}: only Sphere, Box and HalfSpace touch")
     world = LectureWorld.of(scene, LECTURE, dt)
     assert isinstance(world, LectureWorld)
-    for pair in world.overlaps.fielded:
-        name = next(scene.names[i] for i in pair if not world.bodies.shape[i] < 3)
-        raise Unsupported(f"contact of body {name!r}, a Mesh: only Sphere, Box and HalfSpace touch")
     size, start = size_of(world.bodies), scene.start()
-    world.tolerance = TOLERANCE * size
+    grain = max(size, FAR * float(np.abs(start.x).max()))
+    world.tolerance, world.touch = tolerance * grain, max(TOUCH, 2.0 * tolerance) * grain
     fastest = float(np.linalg.norm(start.v, axis=1).max() + size * np.linalg.norm(start.w, axis=1).max())
     world.floor = QUIET * max(fastest, (pull_of(world.bodies) * size) ** 0.5)
     return world
