@@ -43,7 +43,7 @@ class Incident(NamedTuple):
     """Something out of the ordinary, of which the result tells."""
 
     time: float  # [s]
-    what: str  # "painleve" or "chatter"
+    what: str  # "painleve", "chatter" or "stopped impact"
     bodies: tuple[str, ...]
 
 
@@ -54,6 +54,7 @@ class Audit:
     events: int = 0  # contacts handled
     impacts: int = 0  # impulses exchanged
     passes: int = 0  # most solves of one impact
+    stopped: int = 0  # impacts that ran out of solves: what still approached then stopped dead
     steps: int = 0  # integration steps in lasting contact
     rejected: int = 0  # steps that were repeated shorter
     residual: float = 0.0  # certificate of the contact problems, relative

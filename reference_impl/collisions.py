@@ -71,6 +71,9 @@ def collide(world: World, island: Island, problem: Problem) -> None:
     whole = impulses[:, None] * problem.k.normal + along
     audit = world.audit
     audit.passes = max(audit.passes, outcome.passes)
+    if outcome.stopped:
+        audit.stopped += 1
+        world.report("stopped impact", *island.bodies.tolist())
     audit.imbalance = max(
         audit.imbalance,
         imbalance(world, island.bodies, island.contacts.kinds, problem.k.point, whole, v, momentum),

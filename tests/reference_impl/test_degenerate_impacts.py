@@ -137,3 +137,46 @@ def test_forces_that_cease_to_exist_where_a_contact_ceases_to_slide_are_replaced
     assert [(i.what, i.time) for i in world.incidents] == [("painleve", pytest.approx(7.29e-5, abs=1e-6))]
     assert world.audit.residual <= 1e-12
     assert world.audit.step_rise <= 1e-10
+
+
+def beads(masses, e, gap=0.0):
+    """Balls in a row along x, of which the first comes at 1 m/s."""
+    balls = [
+        Body(f"b{k}", Sphere(0.05), float(m), ((0.1 + gap) * k, 0.0, 0.0), velocity=(float(k == 0), 0.0, 0.0))
+        for k, m in enumerate(masses)
+    ]
+    return begin(Scene(tuple(balls), (Restitution(e),)))
+
+
+def test_a_blow_runs_through_two_hundred_beads_that_touch():
+    """Equal masses, e = 1: the last bead leaves with the whole velocity, and not one other moves."""
+    world = beads([1.0] * 200, 1.0)
+    advance(world, 1e-3)
+    assert world.state().v[:, 0].tolist() == pytest.approx([0.0] * 199 + [1.0], abs=1e-13)
+    assert np.abs(world.state().v[:199, 0]).max() <= 1e-15
+    assert world.audit.passes == 199
+    assert world.audit.stopped == 0
+
+
+@pytest.mark.parametrize(("e", "gap"), [(1.0, 0.0), (1.0, 1e-6), (0.9, 1e-3)])
+def test_a_row_of_unequal_beads_keeps_momentum_and_makes_no_energy(e, gap):
+    """Sixty masses between 1 and 100: what comes back and forth is not cut off while nothing is lost."""
+    masses = 10.0 ** np.random.default_rng(5).uniform(0.0, 2.0, 60)
+    world = beads(masses, e, gap)
+    advance(world, 1e-3)
+    v = world.state().v[:, 0]
+    assert masses @ v == pytest.approx(masses[0], rel=1e-13)
+    if e == 1.0:
+        assert masses @ v**2 == pytest.approx(masses[0], rel=1e-12)
+        assert world.audit.stopped == 0
+    assert masses @ v**2 <= masses[0] * (1.0 + 1e-13)
+
+
+def test_an_impact_that_would_go_on_for_ever_is_stopped_and_told():
+    """Five balls close up in infinitely many, ever weaker passes: in the end they move together, on record."""
+    world = beads([1.0] * 5, 0.1)
+    advance(world, 1e-3)
+    assert world.audit.stopped == 1
+    assert [i.what for i in world.incidents] == ["stopped impact"]
+    assert world.state().v[:, 0] == pytest.approx([0.2] * 5, abs=1e-9)
+    assert np.diff(world.state().v[:, 0]).min() >= -1e-12
