@@ -215,7 +215,7 @@ def reflections(collision: Meeting) -> Outcome:
     if e == 0.0:
         return Outcome(inelastic, 1)
     elastic = propagation(collision._replace(e=lambda u: np.ones(len(u))))
-    return Outcome(e * elastic.impulses + (1.0 - e) * inelastic, elastic.passes + 1)
+    return Outcome(e * elastic.impulses + (1.0 - e) * inelastic, elastic.passes + 1, elastic.stopped)
 
 
 def in_turn(collision: RoughCollision) -> Outcome:
