@@ -36,6 +36,12 @@ class Climbed:
     tries: tuple[Try, ...]
     frontier: Frontier
     why: str
+    top: float  # the hardest rung
+
+    @property
+    def word(self) -> str:
+        """How it ended: a way to break, "holds" at the top, or that the run ended before."""
+        return self.frontier.word or ("holds" if self.frontier.good == self.top else "not run beyond")
 
 
 @dataclass(frozen=True)
@@ -85,7 +91,7 @@ def _climbs(name: str, told: Mapping[str, Any], cells: Mapping[str, Cell]) -> It
         tries = tuple(Try(float(rung), how(cell)) for rung, cell in made)
         edge = frontier(tries, falling)
         why = next((sentence(cell) for rung, cell in made if rung == edge.bad), "")
-        yield Climbed(name, engine, told["unit"], tries, edge, why)
+        yield Climbed(name, engine, told["unit"], tries, edge, why, float(told["rungs"][-1]))
 
 
 def _drawn(told: Mapping[str, Any], own: Sequence[Climbed]) -> str:
@@ -142,7 +148,7 @@ def _row(climb: Climbed, y: float, place: Any) -> str:
                 f'<text class="sign" text-anchor="middle" x="{x:.1f}" y="{y + 4.5:.1f}">{glyph(t.broke)}</text>'
             )
     last = max([last, *map(place, edge.again)])
-    word = edge.word or "holds"
+    word = climb.word
     parts.append(f'<text class="word" x="{last + 11.0:.1f}" y="{y + 4.0:.1f}">{escape(word)}</text>')
     return f'<g class="{name}">{"".join(parts)}</g>'
 
@@ -150,7 +156,8 @@ def _row(climb: Climbed, y: float, place: Any) -> str:
 def _told(climb: Climbed) -> str:
     edge = climb.frontier
     if not edge.word:
-        return f"holds to {with_unit(edge.good, climb.unit)}" if edge.good is not None else "was not run"
+        beyond = "" if climb.word == "holds" else ", not run beyond"
+        return f"holds to {with_unit(edge.good, climb.unit)}{beyond}" if edge.good is not None else "was not run"
     if edge.word in ABSENT.values():
         return edge.word
     bad = with_unit(edge.bad or math.nan, climb.unit)

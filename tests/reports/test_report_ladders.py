@@ -79,5 +79,6 @@ def test_a_rung_that_was_not_run_is_no_step(campaign):
     cut = replace(campaign, cells=campaign.cells[:2])
     found = {c.engine: c for c in climbs(cut)}
     assert found["reference"].frontier.good == 10.0
+    assert found["reference"].word == "not run beyond"
     assert found["mujoco"].tries == ()
     assert "was not run" in chapters(cut)[0].drawing
