@@ -25,30 +25,43 @@ RATE = math.sqrt(0.75 * GRAVITY / HALF)  # θ̈ = 3g/(4l) sin θ while the foot 
 ACROSS = (0.0, 1.0, 0.0)
 
 
-def push(angle: float, rate: float, drag: float) -> float:
-    """Force [N] of the floor on the sliding foot of a rod at `angle` from upright [rad], turning at `rate` [rad/s].
+def contact_mobility(angle: float, drag: float) -> float:
+    """How fast a unit force of the floor, with the friction it brings, lifts the foot [m/s2 per N]: Painlevé's p.
 
-    `drag` is µ with the sign of the foot's velocity, where the centre is on its positive side.
+    The rod is at `angle` from upright [rad]; `drag` is µ with the sign of the foot's velocity, where the centre is
+    on its positive side.
+    """
+    return (1.0 + 3.0 * math.sin(angle) * (math.sin(angle) + drag * math.cos(angle))) / MASS
+
+
+def unsupported(angle: float, rate: float) -> float:
+    """Acceleration of the foot away from the floor without a force of the floor [m/s2]: Painlevé's b."""
+    return HALF * rate**2 * math.cos(angle) - GRAVITY
+
+
+def push(angle: float, rate: float, drag: float) -> float:
+    """Force [N] of the floor on the sliding foot of a rod that turns at `rate` [rad/s]; see `contact_mobility`.
 
     Raises
     ------
     ValueError
         Where friction pulls the foot into the floor, so that no force or more than one would do (Painlevé 1895).
     """
-    softness = contact_mobility(angle, drag)
-    if softness <= 0.0:
-        raise ValueError(f"drag = {drag:g} at {angle:g} rad has no single answer: allowed is 1/m + ... > 0")
-    return (GRAVITY - HALF * rate**2 * math.cos(angle)) / softness
-
-
-def contact_mobility(angle: float, drag: float) -> float:
-    """How fast a unit force of the floor, with the friction it brings, lifts the foot [m/s2 per N]: Painlevé's p."""
-    return (1.0 + 3.0 * math.sin(angle) * (math.sin(angle) + drag * math.cos(angle))) / MASS
+    mobility = contact_mobility(angle, drag)
+    if mobility <= 0.0:
+        raise ValueError(f"drag = {drag:g} at {angle:g} rad has no single answer: the floor's force would not lift")
+    return -unsupported(angle, rate) / mobility
 
 
 def least_paradox(angle: float) -> float:
     """Least friction for which the foot of a pushed rod at `angle` from upright jams: p = 0; never below 4/3."""
     return (1.0 + 3.0 * math.sin(angle) ** 2) / (3.0 * math.sin(angle) * math.cos(angle))
+
+
+def paradox(mu: float) -> tuple[float, float]:
+    """Angles to the floor [rad] between which a rod pushed over a floor with friction µ >= 4/3 may jam: p <= 0."""
+    root = math.sqrt(9.0 * mu**2 - 16.0)
+    return math.atan(0.5 * (3.0 * mu - root)), math.atan(0.5 * (3.0 * mu + root))
 
 
 def foot_forces(angle: float, start: float) -> tuple[float, float]:

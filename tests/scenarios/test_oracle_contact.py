@@ -67,6 +67,12 @@ def block_thrown_down_a_slope():
     return {"a_down": -speed / time, "stop_distance_from_v0_down": way[0], "stop_time_from_v0_down": time}
 
 
+def block_thrown_up_a_rough_slope():
+    angle, speed = math.radians(25.0), 3.0
+    time = slide(np.array([0.0]), angle, 0.6, -speed)[2]
+    return {"a_up": speed / time, "up_time": time, "up_distance": -slide(np.array([time]), angle, 0.6, -speed)[0][0]}
+
+
 def sliding_block():
     scenario = families()["sliding-block"].of(heading=math.degrees(math.atan2(4.0, 3.0)))
     x, y, _ = scenario.truth(np.array([10.0])).x[0, 1]
@@ -297,6 +303,7 @@ def falling_rods():
 ENTRIES: dict[str, Callable[[], Numbers]] = {
     "D01": block_thrown_up_a_slope,
     "D01-stops": block_thrown_down_a_slope,
+    "D01-threw-up": block_thrown_up_a_rough_slope,
     "D02": sliding_block,
     "D03": sideways_launch,
     "D03-r0.8": sideways_launch_with_less_friction,

@@ -12,6 +12,7 @@ from functools import partial
 from itertools import product
 
 import numpy as np
+from scipy.optimize import brentq
 
 from mechanics.scene import Scene
 from scenarios.bouncing_ball import bounce, impact_times
@@ -260,6 +261,45 @@ def stacked_drop():
     return {"v_top": shot.small, "v_big": shot.big, "rise_top": shot.small**2 / (2.0 * GRAVITY)}
 
 
+def times_of_a_projectile():
+    """When the height of the truth is zero, and when its rise ends."""
+
+    def height(t: float) -> float:
+        return at("projectile", t).x[0, 0, 2]
+
+    apex = brentq(lambda t: at("projectile", t).v[0, 0, 2], 1.0, 3.0, xtol=1e-15)
+    return {"flight_time": brentq(height, 3.0, 4.0, xtol=1e-15), "apex_time": apex}
+
+
+def least_grip_of_a_rough_pair():
+    grips = rough_pair(1.0)
+    return {"mu_critical": -grips["Jt"] / grips["Jn"]}
+
+
+def end_of_a_chain():
+    said = chain(Fraction(1))
+    return {"last_impact_time": said[f"time_{said['hits']}"]}
+
+
+def energy_of_a_train():
+    v = at("sticking-train", 0.0, couplings(6)[-1]).v[:, :, 0]
+    energy = (v**2).sum(axis=1)
+    return {"energy_ratio_final": energy[1] / energy[0]}
+
+
+def impacts_of_a_break():
+    balls = families()["symmetric-break"].of().scene
+    j, inverse = smooth_contacts(balls, PAIRS)
+    w, v = (j * inverse) @ j.T, np.array([b.velocity for b in balls.bodies]).ravel()
+    return {"L2_impacts": sequential(w, j @ v, 1.0, range(len(PAIRS)))[1]}
+
+
+def limit_of_the_cannon():
+    """A ball without mass on one that returns as it came: three times the speed, nine times the height."""
+    _, top = after_collision(1.0, 0.0, 1.0, -1.0, 1.0)
+    return {"ratio_limit_elastic": top**2}
+
+
 ENTRIES: dict[str, Callable[[], Numbers]] = {
     "A01": free_fall,
     "A02": projectile,
@@ -286,6 +326,12 @@ ENTRIES: dict[str, Callable[[], Numbers]] = {
     "C10": symmetric_break,
     "C10-e0.5": symmetric_break_with_losses,
     "C11": stacked_drop,
+    "A02-times": times_of_a_projectile,
+    "C04-critical": least_grip_of_a_rough_pair,
+    "C06-last": end_of_a_chain,
+    "C08-energy": energy_of_a_train,
+    "C10-count": impacts_of_a_break,
+    "C11-limit": limit_of_the_cannon,
 }
 ENTRIES |= {f"C07-d{d}": partial(galperin, d) for d in range(5)}
 
