@@ -96,6 +96,17 @@ def difference(bounds_a, bounds_b):
 
 
 @kernel
+def swing(turn, distance, pace, pull, window):
+    """Greatest |d''| of the centres along a vector that turns at `turn` [1/s], for `window` seconds [m/s2].
+
+    The centres are `distance` [m] apart now, at the relative speed `pace` [m/s] and at most `pull` [m/s2].
+    """
+    quick = pace + (pull * window if window < np.inf else 0.0)
+    far = distance + quick * min(window, 1e300)  # what does not turn may have for ever: 0 * inf would be no number
+    return turn * turn * far + 2.0 * turn * quick + pull
+
+
+@kernel
 def widest(corners):
     """Greatest distance of a corner from the body's centre [m]."""
     out = 0.0

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from reference_impl.advancement import CLEAR, EVALUATIONS, HIT, TIRED, difference, root, safe, shadow
+from reference_impl.advancement import CLEAR, EVALUATIONS, HIT, TIRED, difference, root, safe, shadow, swing
 from reference_impl.collide.boxes import axis, separations
 from reference_impl.collide.primitives import corner
 from reference_impl.flight import where
@@ -124,8 +124,6 @@ def approach_boxes(
                 t += s
                 continue
         window = min(end - t, distance / pace if pace > 0.0 else np.inf)
-        travel = pull * window
-        far, quick = distance + (pace + travel) * window, pace + travel
         ra, rb = matrix(qa), matrix(qb)
         wa, wb = angular_velocity(qa, ga), angular_velocity(qb, gb)
         best = separations(ra, half_a, rb, half_b, r, values)
@@ -149,7 +147,7 @@ def approach_boxes(
                     for j in range(8):
                         mask[i, j] = base + fa[i] - fb[j] <= reach and drift + da[i] - db[j] <= parting
             turn = norm(dn)
-            bound = turn * turn * far + 2.0 * turn * quick + pull
+            bound = swing(turn, distance, pace, pull, window)
             bound += size_a * ((turn + bounds_a[4]) ** 2 + bounds_a[5])
             bound += size_b * ((turn + bounds_b[4]) ** 2 + bounds_b[5])
             s = min(safe(base, drift, fa, da, fb, db, bound, tolerance, speed, mask, out), window)
@@ -191,9 +189,8 @@ def approach_sphere(
         if not _toward(r, v, half_b, rb, wb, n, dn):
             return t, HIT, count  # the centre of the sphere lies within the body: nothing separates them
         window = min(end - t, distance / pace if pace > 0.0 else np.inf)
-        travel = pull * window
         turn = norm(dn)
-        bound = turn * turn * (distance + (pace + travel) * window) + 2.0 * turn * (pace + travel) + pull
+        bound = swing(turn, distance, pace, pull, window)
         bound += size_b * ((turn + bounds_b[4]) ** 2 + bounds_b[5])
         shadow(cb, rb, wb, n, dn, fb, db)
         base, drift = dot(n, r) - radii, dot(n, v) + dot(dn, r)

@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from reference_impl.advancement import CLEAR, EVALUATIONS, HIT, TIRED, difference, room, root
+from reference_impl.advancement import CLEAR, EVALUATIONS, HIT, TIRED, difference, room, root, swing
 from reference_impl.advancement_boxes import relative
 from reference_impl.flight import where
 from reference_impl.kernels import angular_velocity, apply, apply_transposed, cross, dot, kernel, matrix, norm
@@ -211,8 +211,8 @@ def approach_sphere_cylinder(
         if _toward(r, v, ring, half, rb, wb, n, dn)[0] <= 0.0:
             return t, HIT, count  # the centre of the sphere lies within the cylinder: nothing separates them
         window = min(end - t, distance / pace if pace > 0.0 else np.inf)
-        travel, turn = pull * window, norm(dn)
-        bound = turn * turn * (distance + (pace + travel) * window) + 2.0 * turn * (pace + travel) + pull
+        turn = norm(dn)
+        bound = swing(turn, distance, pace, pull, window)
         bound += size * ((turn + bounds_b[4]) ** 2 + bounds_b[5])
         least = np.inf
         for end_of in range(2):

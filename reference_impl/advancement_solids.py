@@ -12,9 +12,10 @@ import math
 
 import numpy as np
 
-from reference_impl.advancement import CLEAR, EVALUATIONS, HIT, TIRED, difference, room, root
+from reference_impl.advancement import CLEAR, EVALUATIONS, HIT, TIRED, difference, room, root, swing
 from reference_impl.advancement_boxes import relative
-from reference_impl.kernels import angular_velocity, apply, cross, dot, kernel, matrix, norm
+from reference_impl.collide.solids import halves
+from reference_impl.kernels import along, angular_velocity, apply, cross, dot, kernel, matrix, minus, norm
 
 SHARP_AXES, ALL_AXES = 17, 44
 PARALLEL = 1e-8  # sine of the angle below which two edges have no product
@@ -31,15 +32,24 @@ def _cell(solid, cell, rotation, w, arms, spins):
 
 
 @kernel
+def _between(r, a, b):
+    """r + a - b: from a point of b to one of a, whose bodies' centres are r apart."""
+    out = np.empty(3)
+    for c in range(3):
+        out[c] = r[c] + a[c] - b[c]
+    return out
+
+
+@kernel
 def _unit(m, dm, least, n, dn):
     """Unit vector along m and its rate; False if m is shorter than `least`."""
     size = norm(m)
     if size <= least:
         return False
-    along = dot(m, dm) / (size * size)
+    stretch = dot(m, dm) / (size * size)
     for c in range(3):
         n[c] = m[c] / size
-        dn[c] = (dm[c] - along * m[c]) / size
+        dn[c] = (dm[c] - stretch * m[c]) / size
     return True
 
 
@@ -52,27 +62,29 @@ def _axis(k, r, v, pa, da, wa, pb, db, wb, n, dn):
     """
     if k < 2 or 11 <= k < 17:
         p, w = (pa, wa) if k == 0 or 11 <= k < 14 else (pb, wb)
-        m = cross(p[1] - p[0], p[2] - p[0])
+        m = cross(minus(p[1], p[0]), minus(p[2], p[0]))
         if k >= 11:
             i = (k - 11) % 3
-            m = cross(m, p[(i + 1) % 3] - p[i])
+            m = cross(m, minus(p[(i + 1) % 3], p[i]))
         return _unit(m, cross(w, m), 0.0, n, dn)
     if k < 11:
         i, j = (k - 2) // 3, (k - 2) % 3
-        e, f = pa[(i + 1) % 3] - pa[i], pb[(j + 1) % 3] - pb[j]
-        return _unit(cross(e, f), cross(cross(wa, e), f) + cross(e, cross(wb, f)), PARALLEL * norm(e) * norm(f), n, dn)
+        e, f = minus(pa[(i + 1) % 3], pa[i]), minus(pb[(j + 1) % 3], pb[j])
+        rate = along(cross(cross(wa, e), f), 1.0, cross(e, cross(wb, f)))
+        return _unit(cross(e, f), rate, PARALLEL * norm(e) * norm(f), n, dn)
     i, j = (k - 17) % 9 // 3, (k - 17) % 3
-    m, dm = r + pa[i] - pb[j], v + da[i] - db[j]
+    m, dm = _between(r, pa[i], pb[j]), _between(v, da[i], db[j])
     if k < 35:
-        e = pb[(j + 1) % 3] - pb[j] if k < 26 else pa[(i + 1) % 3] - pa[i]
+        e = minus(pb[(j + 1) % 3], pb[j]) if k < 26 else minus(pa[(i + 1) % 3], pa[i])
         size = norm(e)
         if size == 0.0:
             return False
-        e = e / size
+        for c in range(3):
+            e[c] /= size
         de = cross(wb if k < 26 else wa, e)
         s = dot(m, e)
         ds = dot(dm, e) + dot(m, de)
-        return _unit(m - s * e, dm - ds * e - s * de, 0.0, n, dn)
+        return _unit(along(m, -s, e), along(along(dm, -ds, e), -s, de), 0.0, n, dn)
     return _unit(m, dm, 0.0, n, dn)
 
 
@@ -179,12 +191,10 @@ def _cells_clear(
             da[k, c] -= va[c]
             db[k, c] -= vb[c]
         size_a, size_b = max(size_a, norm(pa[k])), max(size_b, norm(pb[k]))
-    r, v = r + ca - cb, v + va - vb
+    r, v = _between(r, ca, cb), _between(v, va, vb)
     pull += norm(ca) * (bounds_a[4] ** 2 + bounds_a[5]) + norm(cb) * (bounds_b[4] ** 2 + bounds_b[5])
     distance, pace, radii = norm(r), norm(v), sa.radius + sb.radius
     window = min(window, distance / pace if pace > 0.0 else np.inf)
-    travel = pull * window if window < np.inf else 0.0
-    far, quick = distance + (pace + travel) * min(window, 1e300), pace + travel
     values, n, dn, limit = np.empty(ALL_AXES), np.empty(3), np.empty(3), np.empty(2)
     count = ALL_AXES if radii > 0.0 else SHARP_AXES
     best, mask = kept[0], kept[2]
@@ -206,7 +216,7 @@ def _cells_clear(
             if mask:
                 kept[0], kept[1], kept[2] = k, int(sign), mask
         turn = norm(dn)
-        bound = turn * turn * far + 2.0 * turn * quick + pull
+        bound = swing(turn, distance, pace, pull, window)
         bound += size_a * ((turn + bounds_a[4]) ** 2 + bounds_a[5])
         bound += size_b * ((turn + bounds_b[4]) ** 2 + bounds_b[5])
         s = _follow(r, v, pa, da, pb, db, n, dn, radii, bound, tolerance, speed, mask, limit)
@@ -217,6 +227,35 @@ def _cells_clear(
         if kept[0] == k:
             break
     return longest
+
+
+@kernel
+def _keep(key, row, found, keys, kept):
+    """Put `row` of a pair of cells among the `found` kept ones, so that `keys` rise."""
+    at = found
+    while at > 0 and keys[at - 1] > key:
+        keys[at] = keys[at - 1]
+        for c in range(3):
+            kept[at, c] = kept[at - 1, c]
+        at -= 1
+    keys[at] = key
+    for c in range(3):
+        kept[at, c] = row[c]
+
+
+@kernel
+def _recall(key, keys, kept, row):
+    """What is kept of a pair of cells into `row`; -1, 0, 0 if nothing is.  `keys` rise."""
+    row[0], row[1], row[2] = -1, 0, 0
+    low, high = 0, len(keys)
+    while low < high:
+        middle = (low + high) // 2
+        if keys[middle] < key:
+            low = middle + 1
+        else:
+            high = middle
+    if low < len(keys) and keys[low] == key:
+        row[0], row[1], row[2] = kept[low, 0], kept[low, 1], kept[low, 2]
 
 
 @kernel
@@ -239,55 +278,43 @@ def _look(
         top -= 1
         i, j = stack[top, 0], stack[top, 1]
         arm_a, arm_b = _balls(sa, i, ra, wa, ca, va), _balls(sb, j, rb, wb, cb, vb)
-        square = along = 0.0
+        square = closing = 0.0
         for c in range(3):
             off = r[c] + ca[c] - cb[c]
             square += off * off
-            along += off * (v[c] + va[c] - vb[c])
+            closing += off * (v[c] + va[c] - vb[c])
         distance = math.sqrt(square)
         apart = distance - sa.ball[i, 3] - sb.ball[j, 3] - sa.radius - sb.radius
         ball = 0.0
         if apart > 0.0:
             k = pull + arm_a * (bounds_a[4] ** 2 + bounds_a[5]) + arm_b * (bounds_b[4] ** 2 + bounds_b[5])
-            ball = root(apart, along / distance, k)
+            ball = root(apart, closing / distance, k)
             if ball >= least:
                 continue
             if apart > 0.5 * (sa.ball[i, 3] + sb.ball[j, 3] + sa.radius + sb.radius):
                 # far for their size: the balls are as good as what is in them
                 least = ball
-                out[0], out[1] = apart, along / distance
+                out[0], out[1] = apart, closing / distance
                 continue
-        leaf_a, leaf_b = sa.child[i, 0] < 0, sb.child[j, 0] < 0
-        if leaf_a and leaf_b:
+        if sa.child[i, 0] < 0 and sb.child[j, 0] < 0:
             key = sa.child[i, 1] * len(sb.cells) + sb.child[j, 1]
-            row[0], row[1], row[2] = -1, 0, 0
-            if not learn and len(keys):
-                at = np.searchsorted(keys, key)
-                if at < len(keys) and keys[at] == key:
-                    row[0], row[1], row[2] = kept[at, 0], kept[at, 1], kept[at, 2]
+            _recall(key, keys[:0] if learn else keys, kept, row)
             s = _cells_clear(
                 sa.child[i, 1], sb.child[j, 1], r, v, sa, ra, wa, bounds_a, sb, rb, wb, bounds_b, pull, window,
                 tolerance, speed, reach, parting, learn, row, limit,
             )  # fmt: skip
             if learn and row[0] >= 0:
                 if found < len(keys):
-                    keys[found] = key
-                    kept[found, 0], kept[found, 1], kept[found, 2] = row[0], row[1], row[2]
+                    _keep(key, row, found, keys, kept)
                 found += 1
             if ball > s:
                 s = ball
-                limit[0], limit[1] = apart, along / distance
+                limit[0], limit[1] = apart, closing / distance
             if s < least:
                 least = s
                 out[0], out[1] = limit[0], limit[1]
-        elif leaf_b or (not leaf_a and sa.ball[i, 3] >= sb.ball[j, 3]):
-            for k in range(2):
-                stack[top, 0], stack[top, 1] = sa.child[i, k], j
-                top += 1
         else:
-            for k in range(2):
-                stack[top, 0], stack[top, 1] = i, sb.child[j, k]
-                top += 1
+            top = halves(stack, top, i, j, sa.child, sa.ball, sb.child, sb.ball)
     return least, found
 
 
@@ -316,8 +343,7 @@ def approach_solids(
                 break
             keys, kept = np.empty(found, dtype=np.int64), np.empty((found, 3), dtype=np.int64)
         if learn:
-            order = np.argsort(keys[:found])
-            keys, kept = keys[:found][order], kept[:found][order]
+            keys, kept = keys[:found], kept[:found]
         if t + s >= end:
             return end, CLEAR, count
         if s >= 0.0 and out[0] <= tolerance and out[1] < -speed:
@@ -363,10 +389,9 @@ def separation(r, v, ra, wa, sa, rb, wb, sb):
         i, j = stack[top, 0], stack[top, 1]
         _balls(sa, i, ra, wa, ca, va)
         _balls(sb, j, rb, wb, cb, vb)
-        if norm(r + ca - cb) - sa.ball[i, 3] - sb.ball[j, 3] - radii >= least:
+        if norm(_between(r, ca, cb)) - sa.ball[i, 3] - sb.ball[j, 3] - radii >= least:
             continue
-        leaf_a, leaf_b = sa.child[i, 0] < 0, sb.child[j, 0] < 0
-        if leaf_a and leaf_b:
+        if sa.child[i, 0] < 0 and sb.child[j, 0] < 0:
             _cell(sa, sa.child[i, 1], ra, wa, pa, da)
             _cell(sb, sb.child[j, 1], rb, wb, pb, db)
             best = _separations(r, v, pa, da, wa, pb, db, wb, ALL_AXES if radii > 0.0 else SHARP_AXES, 0.0, values)
@@ -376,13 +401,7 @@ def separation(r, v, ra, wa, sa, rb, wb, sb):
                 sign = _separation(r, pa, pb, n)[1]
                 i = _lowest(pa, n, sign)
                 j = _lowest(pb, n, -sign)
-                slope = sign * (dot(n, v + da[i] - db[j]) + dot(dn, r + pa[i] - pb[j]))
-        elif leaf_b or (not leaf_a and sa.ball[i, 3] >= sb.ball[j, 3]):
-            for k in range(2):
-                stack[top, 0], stack[top, 1] = sa.child[i, k], j
-                top += 1
+                slope = sign * (dot(n, _between(v, da[i], db[j])) + dot(dn, _between(r, pa[i], pb[j])))
         else:
-            for k in range(2):
-                stack[top, 0], stack[top, 1] = i, sb.child[j, k]
-                top += 1
+            top = halves(stack, top, i, j, sa.child, sa.ball, sb.child, sb.ball)
     return least, slope

@@ -412,7 +412,9 @@ def carry(t, plain, inverse_inertia, x, v, q, momentum, begin, x_series, q_serie
             angle = apply(inverse_inertia[i], momentum[i])
             for c in range(3):
                 angle[c] *= s
-            q[i] = turned(q_series[i, 0], angle)
+            now = turned(q_series[i, 0], angle)
+            for c in range(4):  # not q[i] = now: numba compiles all of its words for shapes that differ
+                q[i, c] = now[c]
             continue
         if still or s == 0.0:
             continue

@@ -52,7 +52,11 @@ class Kernel:
     def compiled(self) -> Callable[..., Any]:
         """Numba's dispatcher of the function."""
         _loaded_without_blas()
-        dispatcher = njit(error_model="numpy", forceinline=self.within, _nrt=not self.lean)(self.function)
+        # nobody calls kernels from C: the wrapper for that would be a twentieth of the time to compile
+        dispatcher = njit(
+            error_model="numpy", forceinline=self.within, no_cfunc_wrapper=True, _nrt=not self.lean
+        )(self.function)  # fmt: skip
+        dispatcher.get_call_template = functools.partial(_for_any_constant, dispatcher.get_call_template)
         dispatcher._cache = FunctionCache(self.function)
         dispatcher._cache._cache_file._source_stamp = self.stamp()
         return dispatcher
@@ -105,6 +109,15 @@ def _type_of_kernel(value: Kernel, context: object) -> types.Type:
     return types.Dispatcher(value.compiled)
 
 
+def _for_any_constant(template: Callable[..., Any], args: Any, kws: Any) -> Any:
+    """How a kernel calls another one: as one compiled for the types of its arguments, not for constants among them.
+
+    Numba on its own compiles f(0), f(1) and f(i) one after the other.
+    """
+    general = {name: types.unliteral(kind) for name, kind in kws.items()}
+    return template(tuple(types.unliteral(kind) for kind in args), general)
+
+
 def _codes(code: CodeType) -> Iterator[CodeType]:
     """A function's code and that of the functions in it."""
     yield code
@@ -143,6 +156,24 @@ def dot(a, b):
 def norm(a):
     """Length of a 3-vector."""
     return math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+
+
+@kernel
+def minus(a, b):
+    """a - b of two 3-vectors; `a - b` itself makes numba compile a loop over shapes at every place it stands."""
+    out = np.empty(3)
+    for c in range(3):
+        out[c] = a[c] - b[c]
+    return out
+
+
+@kernel
+def along(a, s, b):
+    """a + s b of two 3-vectors and a number."""
+    out = np.empty(3)
+    for c in range(3):
+        out[c] = a[c] + s * b[c]
+    return out
 
 
 @kernel

@@ -22,6 +22,7 @@ from reference_impl.kernels import dot, kernel, norm
 FREE = 40  # evaluations after which every further one halves the bracket: the budget of `illinois` and `newton`
 
 Gap = Callable[[float], tuple[float, float]]  # time [s] -> gap [m] and its rate [m/s]
+Guess = Callable[[float, float, float, float, float], float]  # bracket, last time, its gap and rate -> time [s]
 
 
 class Bracket(NamedTuple):
@@ -78,58 +79,16 @@ def spheres_meet(r, v, radii):
     return excess / (-approach + math.sqrt(square * (radii * radii - miss)))
 
 
-def bisection(gap: Gap, bracket: Bracket, tolerance: float) -> tuple[float, int]:
-    """Time at which the gap is within `tolerance` [m] of zero, and how many times it was evaluated.
+def _refined(gap: Gap, bracket: Bracket, tolerance: float, guess: Guess) -> tuple[float, int]:
+    """Result of `bisection`, by guesses of the root from the bracket and from time, gap and rate of the last one.
 
-    `illinois` and `newton` do the same.  Where rounding leaves no time between the ends of the bracket, its
-    lower end is the answer.
+    A guess outside the bracket, or beyond the budget `FREE`, gives way to its middle.
     """
-    low, high, count = bracket.low, bracket.high, 0
-    while True:
-        middle = 0.5 * (low + high)
-        if middle in (low, high):
-            return low, count
-        value, _ = gap(middle)
-        count += 1
-        if abs(value) <= tolerance:
-            return middle, count
-        if value > 0.0:
-            low = middle
-        else:
-            high = middle
-
-
-def illinois(gap: Gap, bracket: Bracket, tolerance: float) -> tuple[float, int]:
-    """As `bisection`, by false position."""
-    low, high, above, below = bracket.low, bracket.high, bracket.gap, bracket.overlap
-    count, stays = 0, 0
-    while True:
-        t = low + (high - low) * above / (above - below)
-        if not low < t < high or count >= FREE:
-            t = 0.5 * (low + high)
-            if t in (low, high):
-                return low, count
-        value, _ = gap(t)
-        count += 1
-        if abs(value) <= tolerance:
-            return t, count
-        if value > 0.0:
-            low, above = t, value
-            below = 0.5 * below if stays == 1 else below
-            stays = 1
-        else:
-            high, below = t, value
-            above = 0.5 * above if stays == -1 else above
-            stays = -1
-
-
-def newton(gap: Gap, bracket: Bracket, tolerance: float) -> tuple[float, int]:
-    """As `bisection`, by Newton's method from the open end of the bracket, which is kept."""
     low, high, count = bracket.low, bracket.high, 0
     t, value, rate = low, bracket.gap, bracket.rate
     while True:
-        t = t - value / rate if rate < 0.0 else low
-        if not low < t < high or count >= FREE:
+        t = guess(low, high, t, value, rate) if count < FREE else low
+        if not low < t < high:
             t = 0.5 * (low + high)
             if t in (low, high):
                 return low, count
@@ -141,6 +100,35 @@ def newton(gap: Gap, bracket: Bracket, tolerance: float) -> tuple[float, int]:
             low = t
         else:
             high = t
+
+
+def bisection(gap: Gap, bracket: Bracket, tolerance: float) -> tuple[float, int]:
+    """Time at which the gap is within `tolerance` [m] of zero, and how many times it was evaluated.
+
+    `illinois` and `newton` do the same.  Where rounding leaves no time between the ends of the bracket, its
+    lower end is the answer.
+    """
+    return _refined(gap, bracket, tolerance, lambda low, high, t, value, rate: low)
+
+
+def illinois(gap: Gap, bracket: Bracket, tolerance: float) -> tuple[float, int]:
+    """As `bisection`, by false position."""
+    above, below, side = bracket.gap, bracket.overlap, 0  # side: of the last root, 1 open, -1 closed, 0 none yet
+
+    def guess(low: float, high: float, t: float, value: float, rate: float) -> float:
+        nonlocal above, below, side
+        if t == high:
+            above, below, side = (0.5 * above if side == -1 else above), value, -1
+        elif t > bracket.low:
+            above, below, side = value, (0.5 * below if side == 1 else below), 1
+        return low + (high - low) * above / (above - below)
+
+    return _refined(gap, bracket, tolerance, guess)
+
+
+def newton(gap: Gap, bracket: Bracket, tolerance: float) -> tuple[float, int]:
+    """As `bisection`, by Newton's method from the open end of the bracket, which is kept."""
+    return _refined(gap, bracket, tolerance, lambda low, high, t, value, rate: t - value / rate if rate < 0.0 else low)
 
 
 BRACKETED: Mapping[str, Callable[[Gap, Bracket, float], tuple[float, int]]] = {

@@ -14,7 +14,8 @@ from mechanics.scene import Scene
 from reference_impl.advancement import HIT
 from reference_impl.collide import primitives
 from reference_impl.collide.features import REAL, WHOLE, all_kinematics
-from reference_impl.collide.pairs import Pair, Shapes, pairs_of
+from reference_impl.collide.pair import Pair, Shapes
+from reference_impl.collide.pairs import pairs_of
 from reference_impl.kernels import matrix
 from reference_impl.state import Bodies, Motion
 from reference_impl.time_of_contact import BRACKETED, Bracket

@@ -32,27 +32,10 @@ import math
 import numpy as np
 
 from reference_impl.collide.rims import point_at_rim, rim_on_plane
-from reference_impl.kernels import apply, cross, dot, kernel, norm
+from reference_impl.kernels import along, apply, cross, dot, kernel, minus, norm
 
 FACE, EDGES, POINT, LINE, RIM, RING, CORD = 0, 1, 2, 3, 4, 5, 6
 WHOLE, REAL = 5, 14
-
-
-@kernel
-def _minus(a, b):
-    out = np.empty(3)
-    for c in range(3):
-        out[c] = a[c] - b[c]
-    return out
-
-
-@kernel
-def _along(a, s, b):
-    """a + s b."""
-    out = np.empty(3)
-    for c in range(3):
-        out[c] = a[c] + s * b[c]
-    return out
 
 
 @kernel
@@ -77,62 +60,71 @@ def kinematics(kinds, reals, xa, ra, va, wa, xb, rb, vb, wb, n, point):
     for c in range(3):
         r[c] = xa[c] - xb[c] + arm_a[c] - arm_b[c]
         dr[c] = va[c] - vb[c] + spin_a[c] - spin_b[c]
-    ddr = _minus(cross(wa, spin_a), cross(wb, spin_b))  # its second rate without accelerations
+    ddr = minus(cross(wa, spin_a), cross(wb, spin_b))  # its second rate without accelerations
     if kind == EDGES:
         return _crossing(reals, ra, wa, rb, wb, xb, arm_b, r, dr, ddr, n, point)
     if kind == RIM:
         return rim_on_plane(reals, ra, wa, rb, wb, xa, arm_a, r, dr, ddr, n, point)
     if kind == RING:
         distance, rate, bias = point_at_rim(reals, rb, wb, r, dr, ddr, n, spin_b)
-        for c in range(3):
-            point[c] = xa[c] + arm_a[c] - n[c] * reals[13]
-        return distance - radius, rate, bias
-    if kind == FACE:
-        normal = apply(rb, reals[9:12])
-        dn = cross(wb, normal)
-        ddn = cross(wb, dn)
-        gap = dot(normal, r) - radius
-        rate = dot(normal, dr) + dot(dn, r)
-        bias = dot(normal, ddr) + 2.0 * dot(dn, dr) + dot(ddn, r)
-        for c in range(3):
-            n[c] = normal[c]
-            point[c] = xa[c] + arm_a[c] - radius * normal[c]
-        return gap, rate, bias
-    # POINT and LINE: the shortest connection m, for LINE perpendicular to the edge e
-    dm = dr
-    ddm = ddr
-    m = r
-    if kind == LINE:
-        e = apply(rb, reals[9:12])
-        de = cross(wb, e)
-        dde = cross(wb, de)
-        s = dot(r, e)
-        ds = dot(dr, e) + dot(r, de)
-        m = _along(r, -s, e)
-        dm = _along(dr, -s, de)  # without s' e, which is across the normal
-        ddm = _along(_along(ddr, -s, dde), -ds, de)
-        distance = norm(m)
-        for c in range(3):
-            n[c] = m[c] / distance
-        rate = dot(n, dm)
-        true = _along(dm, -ds, e)  # whole rate of m, for the rate of the normal
-        dn = np.empty(3)
-        for c in range(3):
-            dn[c] = (true[c] - n[c] * rate) / distance
-        bias = dot(n, ddm) + dot(dn, dm)
+    elif kind == FACE:
+        distance, rate, bias = _over_face(reals, rb, wb, r, dr, ddr, n)
+    elif kind == LINE:
+        distance, rate, bias = _beside_edge(reals, rb, wb, r, dr, ddr, n)
     else:
-        distance = norm(m)
-        for c in range(3):
-            n[c] = m[c] / distance
-        rate = dot(n, dm)
-        bias = dot(n, ddm) + (dot(dm, dm) - rate * rate) / distance
+        distance, rate, bias = _from_point(r, dr, ddr, n)
+    inner = radius if kind == FACE else reals[13]
     for c in range(3):
-        point[c] = xa[c] + arm_a[c] - n[c] * reals[13]
+        point[c] = xa[c] + arm_a[c] - inner * n[c]
     if kind == CORD:  # the same connection seen from within
         for c in range(3):
             n[c] = -n[c]
         return radius - distance, -rate, -bias
     return distance - radius, rate, bias
+
+
+@kernel
+def _over_face(reals, rb, wb, r, dr, ddr, n):
+    """Height of a's point at r over a plane of b, its rate and bias; writes the plane's normal."""
+    normal = apply(rb, reals[9:12])
+    dn = cross(wb, normal)
+    ddn = cross(wb, dn)
+    for c in range(3):
+        n[c] = normal[c]
+    bias = dot(normal, ddr) + 2.0 * dot(dn, dr) + dot(ddn, r)
+    return dot(normal, r), dot(normal, dr) + dot(dn, r), bias
+
+
+@kernel
+def _beside_edge(reals, rb, wb, r, dr, ddr, n):
+    """Distance of a's point at r from an edge e of b, its rate and bias; writes the direction across e."""
+    e = apply(rb, reals[9:12])
+    de = cross(wb, e)
+    dde = cross(wb, de)
+    s = dot(r, e)
+    ds = dot(dr, e) + dot(r, de)
+    m = along(r, -s, e)
+    dm = along(dr, -s, de)  # without s' e, which is across the normal
+    ddm = along(along(ddr, -s, dde), -ds, de)
+    distance = norm(m)
+    for c in range(3):
+        n[c] = m[c] / distance
+    rate = dot(n, dm)
+    true = along(dm, -ds, e)  # whole rate of m, for the rate of the normal
+    dn = np.empty(3)
+    for c in range(3):
+        dn[c] = (true[c] - n[c] * rate) / distance
+    return distance, rate, dot(n, ddm) + dot(dn, dm)
+
+
+@kernel
+def _from_point(r, dr, ddr, n):
+    """Length of r, its rate and bias; writes its direction."""
+    distance = norm(r)
+    for c in range(3):
+        n[c] = r[c] / distance
+    rate = dot(n, dr)
+    return distance, rate, dot(n, ddr) + (dot(dr, dr) - rate * rate) / distance
 
 
 @kernel
@@ -206,7 +198,7 @@ def rows(kinds, n, point, x, rotation, root, inverse_mass, radius, place, out):
             sign = 1.0 if side == 0 else -1.0
             lever = np.zeros(3)
             if radius[i] == 0.0 or kinds[k, 2] == CORD:
-                lever = cross(_minus(point[k], x[i]), n[k])
+                lever = cross(minus(point[k], x[i]), n[k])
             body = np.empty(3)
             for c in range(3):
                 body[c] = rotation[i, 0, c] * lever[0] + rotation[i, 1, c] * lever[1] + rotation[i, 2, c] * lever[2]

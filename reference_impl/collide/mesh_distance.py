@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mechanics.shapes import Mesh
-from reference_impl.kernels import cross, dot, kernel, norm
+from reference_impl.kernels import along, cross, dot, kernel, minus, norm
 
 
 class Surface(NamedTuple):
@@ -62,46 +62,37 @@ def mesh_distance(mesh: Mesh) -> Callable[[np.ndarray], np.ndarray]:
 
 
 @kernel
-def nearest(p, a, b, c, out):
-    """Nearest point of triangle a b c to p into `out`; the feature it lies on (see `Surface`)."""
-    ab, ac, ap = b - a, c - a, p - a
+def nearest(p, a, b, c):
+    """Nearest point of triangle a b c to p, and the feature it lies on (see `Surface`)."""
+    ab, ac, ap = minus(b, a), minus(c, a), minus(p, a)
     d1, d2 = dot(ab, ap), dot(ac, ap)
     if d1 <= 0.0 and d2 <= 0.0:
-        out[:] = a
-        return 0
-    bp = p - b
+        return a, 0
+    bp = minus(p, b)
     d3, d4 = dot(ab, bp), dot(ac, bp)
     if d3 >= 0.0 and d4 <= d3:
-        out[:] = b
-        return 1
+        return b, 1
     if d1 * d4 - d3 * d2 <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
-        out[:] = a + d1 / (d1 - d3) * ab
-        return 3
-    cp = p - c
+        return along(a, d1 / (d1 - d3), ab), 3
+    cp = minus(p, c)
     d5, d6 = dot(ab, cp), dot(ac, cp)
     if d6 >= 0.0 and d5 <= d6:
-        out[:] = c
-        return 2
+        return c, 2
     if d5 * d2 - d1 * d6 <= 0.0 and d2 >= 0.0 and d6 <= 0.0:
-        out[:] = a + d2 / (d2 - d6) * ac
-        return 5
+        return along(a, d2 / (d2 - d6), ac), 5
     if d3 * d6 - d5 * d4 <= 0.0 and d4 >= d3 and d5 >= d6:
-        out[:] = b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b)
-        return 4
+        return along(b, (d4 - d3) / ((d4 - d3) + (d5 - d6)), minus(c, b)), 4
     n = cross(ab, ac)
-    out[:] = p - dot(ap, n) / dot(n, n) * n
-    return 6
+    return along(p, -dot(ap, n) / dot(n, n), n), 6
 
 
 @kernel
 def _signed_distances(corners, normals, points, out):
-    foot, offset = np.empty(3), np.empty(3)
     for k in range(len(points)):
         least, sign = np.inf, 1.0
         for t in range(len(corners)):
-            feature = nearest(points[k], corners[t, 0], corners[t, 1], corners[t, 2], foot)
-            for c in range(3):
-                offset[c] = points[k, c] - foot[c]
+            foot, feature = nearest(points[k], corners[t, 0], corners[t, 1], corners[t, 2])
+            offset = minus(points[k], foot)
             distance = norm(offset)
             if distance < least:
                 least = distance

@@ -18,8 +18,8 @@ import numpy as np
 
 from reference_impl.collide.features import EDGES, FACE, LINE, POINT
 from reference_impl.collide.primitives import put
-from reference_impl.collide.solids import CONCAVE_EDGE
-from reference_impl.kernels import apply, apply_transposed, cross, dot, kernel, norm
+from reference_impl.collide.solids import CONCAVE_EDGE, halves
+from reference_impl.kernels import along, apply, apply_transposed, cross, dot, kernel, minus, norm
 
 PARALLEL = 1e-8  # sine of an angle that counts as none
 SAME_PLACE = 10.0  # [lateral]
@@ -45,19 +45,12 @@ def near_cells(sa, sb, xa, ra, xb, rb, reach, out):
             square += (xa[c] - xb[c] + pa[c] - pb[c]) ** 2
         if math.sqrt(square) - sa.ball[i, 3] - sb.ball[j, 3] > limit:
             continue
-        leaf_a, leaf_b = sa.child[i, 0] < 0, sb.child[j, 0] < 0
-        if leaf_a and leaf_b:
+        if sa.child[i, 0] < 0 and sb.child[j, 0] < 0:
             if count < len(out):
                 out[count, 0], out[count, 1] = sa.child[i, 1], sb.child[j, 1]
             count += 1
-        elif leaf_b or (not leaf_a and sa.ball[i, 3] >= sb.ball[j, 3]):
-            for k in range(2):
-                stack[top, 0], stack[top, 1] = sa.child[i, k], j
-                top += 1
         else:
-            for k in range(2):
-                stack[top, 0], stack[top, 1] = i, sb.child[j, k]
-                top += 1
+            top = halves(stack, top, i, j, sa.child, sa.ball, sb.child, sb.ball)
     return count
 
 
@@ -144,8 +137,8 @@ def _add(count, kinds, reals, enough, points, normals, point, n, gap, alone, lat
     for k in range(count):
         if abs(points[k, 0] - point[0]) + abs(points[k, 1] - point[1]) + abs(points[k, 2] - point[2]) > place:
             continue
-        along = normals[k, 0] * n[0] + normals[k, 1] * n[1] + normals[k, 2] * n[2]
-        if along > 1.0 - SAME_NORMAL:
+        cosine = normals[k, 0] * n[0] + normals[k, 1] * n[1] + normals[k, 2] * n[2]
+        if cosine > 1.0 - SAME_NORMAL:
             return count
         if alone and (not enough[k] or gap > points[k, 3] + 1e-3 * lateral):
             at = k
@@ -183,9 +176,9 @@ def _vertex_face(
     alone = True
     for k in range(3):
         u, w = sq.points[sq.cells[cell, k]], sq.points[sq.cells[cell, (k + 1) % 3]]
-        way = w - u
+        way = minus(w, u)
         size = norm(way)
-        off = local - u
+        off = minus(local, u)
         out = dot(cross(way, normal), off) / size  # beyond the triangle's edge
         if out > lateral:
             return count
@@ -196,7 +189,7 @@ def _vertex_face(
         return count
     for k in range(3):
         j = sq.cells[cell, k]
-        off = local - sq.points[j]
+        off = minus(local, sq.points[j])
         if norm(off) <= SAME_PLACE * lateral + abs(gap + sp.radius) and _leans(sq, j, rq, n, -1.0):
             alone = False
     point = np.empty(3)
@@ -329,7 +322,7 @@ def solid_margin(kinds, reals, sp, xp, rp, sq, xq, rq):
     for c in range(3):
         r[c] = xp[c] - xq[c] + arm_p[c] - arm_q[c]
     if kind == FACE:
-        return _inside_border(sq, f, apply_transposed(rq, r) + sq.bases[f])
+        return _inside_border(sq, f, along(apply_transposed(rq, r), 1.0, sq.bases[f]))
     if kind == EDGES:
         u, w = apply(rp, reals[3:6]), apply(rq, reals[9:12])
         n = cross(u, w)
@@ -362,13 +355,13 @@ def _inside_border(solid, face, point):
     n = solid.normals[face]
     least, turns = np.inf, 0.0
     for k in range(solid.border_start[face], solid.border_start[face + 1]):
-        a, b = point - solid.border[k, 0], point - solid.border[k, 1]
-        way = a - b
+        a, b = minus(point, solid.border[k, 0]), minus(point, solid.border[k, 1])
+        way = minus(a, b)
         part = min(max(dot(a, way) / dot(way, way), 0.0), 1.0)
-        foot = a - part * way
+        foot = along(a, -part, way)
         height = dot(foot, n)
         least = min(least, math.sqrt(max(dot(foot, foot) - height * height, 0.0)))
         ha, hb = dot(a, n), dot(b, n)
-        a, b = a - ha * n, b - hb * n
+        a, b = along(a, -ha, n), along(b, -hb, n)
         turns += math.atan2(dot(cross(a, b), n), dot(a, b))  # 2 pi in all around an inner point
     return least if abs(turns) > math.pi else -least

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mechanics.shapes import Box, Capsule, Mesh, Shape, Sphere
+from reference_impl.kernels import kernel
 
 FLAT = 1e-9  # sine of the angle below which two triangles lie in one plane
 FLAT_EDGE, CONCAVE_EDGE = -1, -2
@@ -195,3 +196,20 @@ def _tree(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     build(np.arange(len(corners)))
     return np.array(balls), np.array(children)
+
+
+@kernel
+def halves(stack, top, i, j, child_a, ball_a, child_b, ball_b):
+    """Puts both halves of the greater of balls i and j, with the other ball, on the stack; returns its height.
+
+    A ball that is a cell has no halves: then it is the other one that is halved.
+    """
+    if child_b[j, 0] < 0 or (child_a[i, 0] >= 0 and ball_a[i, 3] >= ball_b[j, 3]):
+        for k in range(2):
+            stack[top, 0], stack[top, 1] = child_a[i, k], j
+            top += 1
+    else:
+        for k in range(2):
+            stack[top, 0], stack[top, 1] = i, child_b[j, k]
+            top += 1
+    return top

@@ -24,7 +24,7 @@ from mechanics.rotation import rotate
 from mechanics.scene import Scene
 from reference_impl.advancement import CLEAR, EVALUATIONS, HIT, TIRED
 from reference_impl.collide.features import CORD, REAL, WHOLE
-from reference_impl.collide.pairs import Found, Limits, Pair
+from reference_impl.collide.pair import Found, Limits, Pair
 from reference_impl.errors import Unsupported
 from reference_impl.flight import where
 from reference_impl.kernels import angular_velocity, apply, cross, dot, kernel, matrix, norm
