@@ -16,7 +16,7 @@ report: $(VENV)/.engines
 	$(BIN)/plumbline run $(SUITE) --fail-on harness
 
 test: $(VENV)/.test
-	$(BIN)/python -m pytest -n $(JOBS) --dist loadscope
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadscope --no-loadscope-reorder
 
 test-browser: $(VENV)/.test
 	$(BIN)/python -m pytest -m browser
