@@ -37,6 +37,8 @@ class Settings:
         Relative accuracy of contact times (gap over body size) and of the motion in lasting contact.
     events : int
         Budget: contacts handled in one call of `advance`.
+    steps : int
+        Budget: steps in lasting contact tried in one call of `advance`.
 
     Raises
     ------
@@ -52,6 +54,7 @@ class Settings:
     solver: str = "auto"
     tolerance: float = 1e-12
     events: int = 1_000_000
+    steps: int = 1_000_000
 
     def __post_init__(self) -> None:
         choices = (
@@ -70,5 +73,6 @@ class Settings:
             raise ValueError(f"sides = {self.sides!r}; allowed: an even number from 4 on")
         if self.restitution != "newton" and self.friction != "exact":
             raise ValueError(f"friction = {self.friction!r}; allowed: exact where restitution is {self.restitution!r}")
-        if self.events < 1:
-            raise ValueError(f"events = {self.events!r}; allowed: a whole number > 0")
+        for name in ("events", "steps"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name} = {getattr(self, name)!r}; allowed: a whole number > 0")

@@ -101,8 +101,9 @@ def advance(world: World, duration: float) -> None:
     """
     target = world.t + duration
     budget = world.audit.events + world.settings.events
-    since, turns = world.t, 0
-    while world.t < target:
+    tries = world.audit.steps + world.audit.rejected + world.settings.steps
+    since, turns, spent = world.t, 0, ""
+    while world.t < target and not spent:
         if world.dirty.any():
             world.arrive()
             world.recall()
@@ -110,14 +111,18 @@ def advance(world: World, duration: float) -> None:
             lasting.embark(world, _next_switch(world))
         if not world.dirty.any():  # else impulses have taken the place of forces, at this very time
             _move(world, target, budget + 1 - world.audit.events)
-        if world.audit.events > budget:
-            raise Stalled(f"more than {world.settings.events} contacts in one call", world.t)
         turns += 1
         if world.t > since + 1e-3 * world.scales.time:
             since, turns = world.t, 0
+        if world.audit.events > budget:
+            spent = f"more than {world.settings.events} contacts in one call"
+        elif world.audit.steps + world.audit.rejected > tries:
+            spent = f"more than {world.settings.steps} steps of lasting contact in one call"
         elif turns > CROWD:
-            raise Stalled(f"more than {CROWD} contacts without progress in time", world.t)
+            spent = f"more than {CROWD} contacts without progress in time"
     lasting.show(world)
+    if spent:
+        raise Stalled(spent, world.t)
 
 
 def _move(world: World, target: float, events: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from itertools import product
 
 import numpy as np
@@ -83,6 +84,25 @@ def test_a_budget_of_contacts_ends_a_run_where_it_is_spent(events):
     advance(free, world.t)
     assert [e.time for e in world.events] == [e.time for e in free.events][: len(world.events)]
     assert world.audit.events == events + 1
+
+
+@pytest.mark.parametrize("steps", [1, 5])
+def test_a_budget_of_steps_ends_lasting_contact_where_it_is_spent(steps):
+    """A rod that falls over on a smooth floor needs many steps; the motion goes on from where the budget ended."""
+    lean = 0.35
+    rod = Body("rod", Box((0.1, 0.1, 1.0)), 1.0, (0.0, 0.0, 0.5 * np.cos(lean) + 0.05 * np.sin(lean)),
+               (np.cos(0.5 * lean), 0.0, np.sin(0.5 * lean), 0.0))  # fmt: skip
+    scene = Scene((FLOOR, rod), (Gravity(), Rotation(), Resting()))
+    world, free = begin(scene, Settings(steps=steps)), begin(scene)
+    with pytest.raises(Stalled, match=f"more than {steps} steps of lasting contact in one call at t = "):
+        advance(world, 0.4)
+    assert 0.0 < world.t < 0.4
+    assert world.audit.steps + world.audit.rejected == steps + 1
+    while world.t < 0.4:
+        with contextlib.suppress(Stalled):
+            advance(world, 0.4 - world.t)
+    advance(free, 0.4)
+    assert (world.state().x == free.state().x).all()
 
 
 def test_boxes_side_by_side_are_as_many_islands():
