@@ -109,6 +109,14 @@ class TestEveryTruth:
         for check in scenario.checks:
             assert found[check.quantity] <= check.exact, f"{check.quantity} = {found[check.quantity]}"
 
+    def test_keeps_what_its_scene_keeps(self, scenario):
+        """Energy and momenta, as far as the declared effects leave them alone, whether they are demanded or not."""
+        t = times(scenario)
+        case = Case(scenario, Run("truth", "", {"dt": STEP}, scenario.truth(t)), scenario.truth(t))
+        found = {q.name: q.value for judge in (energy, momentum) for q in judge.measure(case)}
+        for law in ("energy error", "energy rise", "linear momentum error", "angular momentum error"):
+            assert not found.get(law, 0.0) > 1e-9, law
+
 
 def test_builders_are_short_and_names_are_whole_words():
     for name, family in catalogue.families().items():
