@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from adapters.engine import Knob
 
@@ -16,6 +17,10 @@ class Configured:
     ----------
     name, knobs, defaults, profile, known
         As in `adapters.engine.Engine`; `known`: law of `check_engine` -> why this profile breaks it.
+    on_request : bool
+        As in `adapters.engine.on_request`: variants that the museum shows beside the others.
+    remedy : mapping
+        What a stock profile changes all the same, by the engine's own names, as its documentation recommends.
     stock : bool
         Only what the scene says is set, everything else is left as the engine has it.
     """
@@ -25,4 +30,6 @@ class Configured:
     knobs: Mapping[str, tuple[Knob, ...]]
     defaults: Mapping[str, Knob]
     profile: Mapping[str, str]
+    on_request: bool = False
+    remedy: Mapping[str, Any] = field(default_factory=dict)
     known: Mapping[str, str] = field(default_factory=dict)

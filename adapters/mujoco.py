@@ -169,7 +169,7 @@ class MuJoCo(Configured):
         settings = self.settle(knobs, scene)
         if settings["integrator"] == "RK4" and not smooth(scene) and not self.stock:
             raise Refusal("contacts, rods and tethers that act for one step are lost in RK4; use Euler or auto")
-        spec = Modeller(mj, self.stock).spec(draft, settings)
+        spec = Modeller(mj, self.stock, self.remedy).spec(draft, settings)
         model = spec.compile()
         data = mj.MjData(model)
         bodies = [self._number(model, "mjOBJ_BODY", f"body{i}") for i in range(len(scene.bodies))]
@@ -296,6 +296,25 @@ class MuJoCo(Configured):
 
 _ITERATIONS = (5.0, 20.0, 100.0, 500.0)
 
+
+def _remedied(name: str, why: str, **remedy: Any) -> MuJoCo:
+    """The stock profile with one documented remedy, which runs on request only."""
+    said = ", ".join(f"{key} = {value}" for key, value in remedy.items())
+    return MuJoCo(
+        name=f"mujoco:{name}",
+        stock=True,
+        knobs=_STOCK_KNOBS,
+        defaults=_STOCK,
+        profile={"autoreset = disable": _NO_RESET, said: why},
+        on_request=True,
+        remedy=remedy,
+    )
+
+
+_STOCK_KNOBS = {"dt": TIME_STEPS, "integrator": ("Euler", "implicitfast", "RK4"), "iterations": _ITERATIONS}
+_STOCK = {"dt": 2e-3, "integrator": "Euler", "iterations": 100.0}
+_NO_RESET = "a bad state is a failure, not silently the initial state again"
+
 ENGINES = {
     engine.name: engine
     for engine in (
@@ -329,9 +348,19 @@ ENGINES = {
         MuJoCo(
             name="mujoco:stock",
             stock=True,
-            knobs={"dt": TIME_STEPS, "integrator": ("Euler", "implicitfast", "RK4"), "iterations": _ITERATIONS},
-            defaults={"dt": 2e-3, "integrator": "Euler", "iterations": 100.0},
-            profile={"autoreset = disable": "a bad state is a failure, not silently the initial state again"},
+            knobs=_STOCK_KNOBS,
+            defaults=_STOCK,
+            profile={"autoreset = disable": _NO_RESET},
         ),
+        _remedied("elliptic", "Coulomb's cone in place of a pyramid", cone="mjCONE_ELLIPTIC"),
+        _remedied(
+            "noslip",
+            "friction that does not give way, and a pass that takes back what does",
+            cone="mjCONE_ELLIPTIC",
+            impratio=10.0,
+            noslip_iterations=10,
+        ),
+        _remedied("speculative", "contacts are looked for along the path of a step", flags="mjENBL_SPECULATIVE"),
+        _remedied("elastic", "contacts are springs without damping", solref=(-1e4, 0.0)),
     )
 }

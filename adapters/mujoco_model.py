@@ -50,10 +50,13 @@ class Modeller:
         The imported mujoco.
     stock : bool
         Only masses, shapes, friction and gravity are set.
+    remedy : mapping
+        Names of `option` and of `geom` -> values that are set besides; `flags` names flags to be enabled.
     """
 
     mujoco: ModuleType
     stock: bool
+    remedy: Mapping[str, Any] = field(default_factory=dict)
 
     def spec(self, draft: Draft, settings: Settings) -> Any:
         """MjSpec of the draft, with settings that leave nothing to the scene."""
@@ -70,6 +73,7 @@ class Modeller:
             option.cone = mj.mjtCone.mjCONE_ELLIPTIC
             option.tolerance = float(settings["tolerance"])
             option.enableflags = int(mj.mjtEnableBit.mjENBL_DIAGEXACT)
+        self._remedy(option)
         made: dict[int, Any] = {}
         for i in _parents_first(scene, draft.hinges):
             self._add(spec, draft, i, made)
@@ -82,6 +86,16 @@ class Modeller:
             for i, j in scene.pairs():
                 self._pair(spec, scene, i, j, float(settings["dt"]))
         return spec
+
+    def _remedy(self, option: Any) -> None:
+        """Set what a remedy changes in the options of the solver."""
+        for name, value in self.remedy.items():
+            if name == "flags":
+                option.enableflags |= int(getattr(self.mujoco.mjtEnableBit, value))
+            elif name == "cone":
+                option.cone = getattr(self.mujoco.mjtCone, value)
+            elif hasattr(option, name):
+                setattr(option, name, value)
 
     def _add(self, spec: Any, draft: Draft, i: int, made: dict[int, Any]) -> None:
         """Body i with its joints and its shape."""
@@ -149,6 +163,8 @@ class Modeller:
         if self.stock:
             effect = draft.scene.effect(Friction)
             geom.friction = [effect.coefficient if effect else 0.0, 0.005, 0.0001]
+            if "solref" in self.remedy:
+                geom.solref = self.remedy["solref"]
             if not body.fixed:
                 geom.mass = body.mass
 

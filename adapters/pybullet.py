@@ -157,7 +157,7 @@ class PyBullet(Configured):
         p = self._bullet
         client = p.connect(p.DIRECT)
         try:
-            world = Builder(p, self.maximal, self.stock).build(draft, knobs, client)
+            world = Builder(p, self.maximal, self.stock, self.remedy).build(draft, knobs, client)
             hands = _Hands(p, world)
             world.pushes = [pusher(world.scene, effect, hands, world.clock.dt) for effect in draft.pushes]
             return world
@@ -226,6 +226,7 @@ _EXACT = {
     "half-space = static box 1 km wide": "on GEOM_PLANE a box gains one contact per step and spins up to 9 rad/s",
 }
 
+_STOCK = {"dt": 1.0 / 240.0, "iterations": 50.0}
 _DAMPED = "the default linear and angular damping of 0.04 per second slows every body"
 
 ENGINES = {
@@ -265,8 +266,8 @@ ENGINES = {
             name="pybullet:stock",
             maximal=False,
             stock=True,
-            knobs={"dt": TIME_STEPS, "iterations": (10.0, 50.0, 200.0, 1000.0)},
-            defaults={"dt": 1.0 / 240.0, "iterations": 50.0},
+            knobs=_STEPS,
+            defaults=_STOCK,
             profile={},
             known={
                 "keeps every velocity in a vacuum": "damping 0.04 (1 + |v|) per second, and a clamp at 100 m/s",
@@ -279,6 +280,30 @@ ENGINES = {
                 "turns in the scene's frames": _DAMPED,
                 "honours explicit inertia": _DAMPED,
             },
+        ),
+        PyBullet(
+            name="pybullet:undamped",
+            maximal=False,
+            stock=True,
+            knobs=_STEPS,
+            defaults=_STOCK,
+            profile={"linearDamping = angularDamping = 0": "the remedy for drag that nobody asked for"},
+            on_request=True,
+            remedy={"linearDamping": 0.0, "angularDamping": 0.0},
+            known={"keeps every velocity in a vacuum": "a clamp at 100 m/s"},
+        ),
+        PyBullet(
+            name="pybullet:ccd",
+            maximal=True,
+            stock=True,
+            knobs=_STEPS,
+            defaults=_STOCK,
+            profile={
+                "ccdSweptSphereRadius = half the bounding radius": "bodies are swept along their path in a step",
+                "useMaximalCoordinates = 1": "on the default multibody the radius has no effect",
+            },
+            on_request=True,
+            remedy={"ccdSweptSphereRadius": 0.5},
         ),
     )
 }

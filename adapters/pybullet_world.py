@@ -6,6 +6,7 @@ Every figure quoted here was measured with PyBullet 3.2.7.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
@@ -65,11 +66,14 @@ class Builder:
         Maximal coordinates (btRigidBody) instead of the multibody solver.
     stock : bool
         Nothing but what the scene says is set.
+    remedy : mapping
+        Arguments of changeDynamics for moving bodies, besides; ccdSweptSphereRadius is a share of the bounding ball's.
     """
 
     bullet: ModuleType
     maximal: bool
     stock: bool
+    remedy: Mapping[str, Any] = field(default_factory=dict)
 
     def build(self, draft: Draft, knobs: Settings, client: int) -> World:
         """World of the draft in the empty client."""
@@ -145,6 +149,10 @@ class Builder:
                 settings["contactProcessingThreshold"] = 0.0
             if not self.maximal:
                 settings["maxJointVelocity"] = FREE_SPEED
+        if not body.fixed:
+            settings |= self.remedy
+            if "ccdSweptSphereRadius" in self.remedy:
+                settings["ccdSweptSphereRadius"] *= bounding_radius(body.shape)
         return settings
 
     def _boxed(self, body: Body) -> bool:

@@ -70,6 +70,8 @@ class Cell:
         The one-line command that runs this cell again.
     audit : dict
         What the engine reports of its own soundness.
+    phases : dict
+        Quantity -> its value at each phase of a step, the first being `trace`; empty if one phase was run.
     """
 
     key: str
@@ -99,6 +101,12 @@ class Cell:
     trace: str = ""
     reproduce: str = ""
     audit: Mapping[str, float] = field(default_factory=dict)
+    phases: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+
+    @property
+    def phase_count(self) -> int:
+        """Phases of a step at which it was run."""
+        return max((len(values) for values in self.phases.values()), default=1)
 
     @property
     def worst(self) -> Measurement | None:
@@ -184,6 +192,10 @@ def cell_from_json(line: str) -> Cell:
     data = {name: _number(value) for name, value in data.items() if name in known}
     for name in ("tags", "notes"):
         data[name] = tuple(data.get(name, ()))
+    data["phases"] = {
+        quantity: tuple(math.nan if v is None else _number(v) for v in values)
+        for quantity, values in data.get("phases", {}).items()
+    }
     for name in ("cost", "contention", "build_seconds"):
         data[name] = math.nan if data.get(name) is None else data[name]
     return Cell(**data, measurements=rows)

@@ -13,6 +13,7 @@ from __future__ import annotations
 import importlib
 import math
 import pkgutil
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from types import ModuleType
@@ -73,7 +74,7 @@ def judge(scenario: Scenario, run: Run) -> Judgement:
     checks = {check.quantity: check for check in scenario.checks}
     rows = [_judged(q, checks.get(q.name)) for q in quantities]
     rows += [_missing(check) for name, check in checks.items() if name not in {q.name for q in quantities}]
-    return Judgement(tuple(rows), *_verdict(rows))
+    return Judgement(tuple(rows), *verdict(rows))
 
 
 def to_cell(
@@ -209,8 +210,8 @@ def _missing(check: Check) -> Measurement:
     return Measurement(check.quantity, math.nan, known.get(check.quantity, ""), math.nan, word, *demands, "unmeasured")
 
 
-def _verdict(rows: list[Measurement]) -> tuple[str, str, str]:
-    """State, stage and reason.  What failed by measurement has failed, whatever else could not be measured."""
+def verdict(rows: Sequence[Measurement]) -> tuple[str, str, str]:
+    """State, stage and reason; what failed by measurement has failed, whatever else could not be measured."""
     failed = [
         f"{row.quantity} {row.value:.3g} {row.unit} exceeds {row.tolerance:.3g}"
         for row in rows

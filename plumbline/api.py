@@ -93,6 +93,8 @@ def run(
     budget: float | None = None,
     memory: int = MEMORY,
     rerun: str = "none",
+    phases: int = 1,
+    card: bool = True,
     watcher: Watcher | None = None,
 ) -> Results:
     """Run scenarios in engines, each engine in a process of its own, and judge every answer.
@@ -109,7 +111,7 @@ def run(
     out : path, optional
         Folder of the run; a new one in ``runs`` if there is none.  Finished cells in it are used
         again.
-    jobs, repeats, timeout, budget, memory, rerun
+    jobs, repeats, timeout, budget, memory, rerun, phases, card
         As in `plumbline.campaign.Options`.
     watcher : Watcher, optional
         Told of every cell as it begins and ends.
@@ -127,7 +129,7 @@ def run(
     chosen = tuple({s.name: s for item in asked for s in _scenarios(item)}.values())
     patterns = [engines] if isinstance(engines, str) else list(engines or ())
     names, baselines = registry.select(patterns), registry.baselines(patterns)
-    options = Options(jobs, repeats, timeout, budget, memory, rerun)
+    options = Options(jobs, repeats, timeout, budget, memory, rerun, phases, card)
     results = Execution(
         jobs=plan(chosen, names, settings, baselines=baselines),
         folder=Path(out) if out is not None else Path("runs") / new_id(),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Protocol
@@ -14,16 +14,19 @@ from adapters import archive
 from adapters.run import Failure, Run, sample_times
 from adapters.workers import MEMORY, TIMEOUT, Workers
 from comparisons.cell import Cell, cell_to_json
+from mechanics.trajectory import Trajectory
 from plumbline import run_folder
 from plumbline.card import keep_cards, read_cards
 from plumbline.fingerprint import fingerprint
-from plumbline.judging import absent, judged
+from plumbline.judging import absent, judged, step_of
 from plumbline.plan import Job, described, described_engines
 from plumbline.results import Results, judge_failed
 from plumbline.run_folder import RunFolder
+from scenarios.phase import delays, later
 
 RERUN = ("none", "failed", "all")
 GOOD = ("ok", "refused", "xfail")
+WHOLE = ("ok", "fail", "xfail", "xpass")  # states in which the run came to its end
 
 
 class Watcher(Protocol):
@@ -82,11 +85,12 @@ class Options:
     budget: float | None = None
     memory: int = MEMORY
     rerun: str = "none"
+    phases: int = 1
     card: bool = True
     patience: float = 1.0
 
     def __post_init__(self) -> None:
-        for name, least in (("jobs", 1), ("repeats", 1), ("memory", 0)):
+        for name, least in (("jobs", 1), ("repeats", 1), ("memory", 0), ("phases", 1)):
             value = getattr(self, name)
             if not isinstance(value, int) or value < least:
                 raise ValueError(f"{name} = {value!r} is not possible: a whole number >= {least}")
@@ -208,7 +212,7 @@ class Execution:
         now = {label: told["question"] for label, told in manifest["scenarios"].items()}
         found = {job.key: self._judged_now(folder, job, cells[job.key]) for job in jobs
                  if job.key in cells and asked.get(job.scenario.name) == now[job.scenario.name]
-                 and self._good_enough(cells[job.key])}  # fmt: skip
+                 and self._good_enough(job, cells[job.key])}  # fmt: skip
         return {key: cell for key, cell in found.items() if cell is not None}
 
     def _judged_now(self, folder: RunFolder, job: Job, cell: Cell) -> Cell | None:
@@ -216,14 +220,18 @@ class Execution:
         if not cell.trace:
             return cell
         try:
-            new = judged(job, archive.read(self.folder / cell.trace), cell.trace)
+            path = self.folder / cell.trace
+            more = [archive.read(p) for p in run_folder.phase_paths(path, cell.phase_count)]
+            new = judged(job, archive.read(path), cell.trace, more)
         except (OSError, archive.ArchiveError):
             return None
         if cell_to_json(new) != cell_to_json(cell):
             folder.append(new)
         return new
 
-    def _good_enough(self, cell: Cell) -> bool:
+    def _good_enough(self, job: Job, cell: Cell) -> bool:
+        if cell.trace and cell.phase_count != len(self._delays(job)) and cell.state in WHOLE:
+            return False
         if cell.state in ("not-installed", "not-run") or judge_failed(cell):
             return False
         if self.options.rerun == "failed" and cell.state not in GOOD:
@@ -237,7 +245,7 @@ class Execution:
         """
         waiting = [job for job in left if job.absent is None]
         done = {job.key: self._finish(folder, absent(job), 0.0) for job in left if job.absent is not None}
-        running: dict[Future[Run], tuple[Job, float]] = {}
+        running: dict[Future[list[Run]], tuple[Job, float]] = {}
         with Workers(self.options.memory) as workers, ThreadPoolExecutor(self.options.jobs) as threads:
             try:
                 while waiting or running:
@@ -249,8 +257,8 @@ class Execution:
                         break  # the budget is spent
                     for future in wait(running, return_when=FIRST_COMPLETED).done:
                         job, since = running.pop(future)
-                        run = future.result()
-                        cell = judged(job, run, folder.keep(job.key, run))
+                        run, *more = future.result()
+                        cell = judged(job, run, folder.keep(job.key, run, more), more)
                         done[job.key] = self._finish(folder, cell, time.monotonic() - since)
                         if new := self._follow(manifest, job, cell):
                             waiting += new
@@ -271,12 +279,24 @@ class Execution:
         busy = {job.engine for job, _ in running.values()}
         return next((job for job in waiting if job.engine not in busy), None)
 
-    def _ask(self, workers: Workers, job: Job) -> Run:
+    def _ask(self, workers: Workers, job: Job) -> list[Run]:
+        """The run of a job, and its other phases, which are not timed; after one that broke none is risked."""
+        runs: list[Run] = []
+        for delay in self._delays(job):
+            broken = runs and not isinstance(runs[-1].outcome, Trajectory)
+            runs.append(replace(runs[-1], partial=None) if broken else self._one(workers, job, delay))
+        return runs if isinstance(runs[0].outcome, Trajectory) else runs[:1]
+
+    def _delays(self, job: Job) -> tuple[float, ...]:
+        return delays(job.scenario, self.options.phases, step_of(job.settings))
+
+    def _one(self, workers: Workers, job: Job, delay: float) -> Run:
         times = sample_times(job.scenario.duration, job.scenario.sampling)
         options = self.options
+        repeats = 1 if delay else options.repeats
         try:
-            return workers.run(job.engine, job.scenario.scene, times, job.settings, options.repeats, options.timeout,
-                               options.patience)  # fmt: skip
+            scene = later(job.scenario, delay).scene
+            return workers.run(job.engine, scene, times, job.settings, repeats, options.timeout, options.patience)
         except Exception as error:  # an adapter may raise outside of its process, too: when asked for its lead
             failure = Failure("error", "start", 0.0, f"{type(error).__name__}: {error}")
             return Run(job.engine, job.version, dict(job.settings), failure)

@@ -89,6 +89,12 @@ def states(_: click.Context, parameter: click.Parameter, text: str | None) -> tu
     "  [default: 3; published figures: 1]",
 )
 @click.option(
+    "--phases",
+    type=click.IntRange(1),
+    help="Phases of a step at which impacts are tried; the worst is judged, least, median and largest are told."
+    "  [default: 1; museum: 8]",
+)
+@click.option(
     "--timeout", callback=seconds, help="Of a cell; then its engine is killed.  [default: 2m; published figures: 20m]"
 )
 @click.option("--budget", callback=seconds, help="Of the run; what has not begun by then is not run.")
@@ -204,7 +210,8 @@ def carry_out(jobs: tuple[Job, ...], asked: dict[str, Any], figures: tuple[Figur
     timeout = asked["timeout"] or (TIMEOUT if figures is None else 10 * TIMEOUT)
     repeats = asked["repeats"] or (REPEATS if figures is None else 1)
     options = Options(asked["jobs"], repeats, timeout, asked["budget"],
-                      round(asked["memory"] * 2**30), asked["rerun"] or "none")  # fmt: skip
+                      round(asked["memory"] * 2**30), asked["rerun"] or "none",
+                      asked["phases"] or (8 if asked["what"] == "museum" else 1))  # fmt: skip
     folder = Path(asked["out"]) if asked["out"] else Path("runs") / new_id()
     outputs = finish.Outputs(asked["junit"], asked["summary"])
     with harness(), terminable(), progress(asked["style"], console) as display:

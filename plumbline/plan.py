@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import shlex
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from fnmatch import fnmatchcase
 from functools import partial
 from itertools import product
@@ -194,7 +194,9 @@ def plan(
     _check_used(settings, present)
     choices = {e.name: settings_of(e, settings) for e in present}
     jobs = []
+    asked = set(engines)
     for scenario in scenarios:
+        jobs += _remedied(scenario, asked, own_file)
         for name, engine in had.items():
             if name in besides and scenario.name not in besides[name]:
                 continue
@@ -208,6 +210,16 @@ def plan(
                 told = {k: v for k, v in chosen.items() if v != defaults(engine)[k]}
                 jobs.append(Job(key, scenario, name, version, chosen, reproduce(scenario, name, told, own_file)))
     return tuple({job.key: job for job in jobs}.values())
+
+
+def _remedied(scenario: Scenario, engines: Collection[str], own_file: str) -> list[Job]:
+    """Jobs of the remedies of an exhibit, for those engines of which some profile runs."""
+    jobs = []
+    libraries = {name.partition(":")[0] for name in engines}
+    for remedy in scenario.exhibit.remedies if scenario.exhibit else ():
+        if remedy.engine.partition(":")[0] in libraries:
+            jobs += plan((replace(scenario, exhibit=None),), (remedy.engine,), remedy.settings, own_file)
+    return [replace(job, scenario=scenario) for job in jobs]
 
 
 def _engine(name: str) -> Engine | registry.Unavailable:
@@ -252,6 +264,7 @@ def described(scenarios: Iterable[Scenario]) -> dict[str, Any]:
             "question": f"{scene_digest(s.scene)}-{s.duration!r}-{s.sampling!r}",
             "scene": scene_to_dict(s.scene),
             "checks": [vars(c) for c in s.checks],
+            **({"exhibit": asdict(s.exhibit)} if s.exhibit else {}),
         }
         for s in scenarios
     }

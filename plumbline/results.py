@@ -112,10 +112,12 @@ class Results:
         own = {name: own_files.scenario_again(name, told) for name, told in self.campaign.scenarios.items()}
         known = look_up(self.campaign) | {n: s for n, s in own.items() if s} | {s.name: s for s in self.known}
         remarks: list[str] = []
-        cells = []
+        traces, cells = self.traces, []
         for cell in self.cells:
             try:
-                new = judged_again(known[cell.scenario], self.run_of(cell), cell) if cell.scenario in known else cell
+                new = cell
+                if cell.scenario in known:
+                    new = judged_again(known[cell.scenario], traces[cell.key], cell, traces.others(cell.key))
             except KeyError:
                 new = cell
             except ArchiveError as error:

@@ -10,7 +10,7 @@ import fcntl
 import json
 import os
 import secrets
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -25,6 +25,11 @@ SCHEMA = 1
 
 class FolderError(Exception):
     """A folder that cannot be written or is no run; the message says which, why, and what is kept."""
+
+
+def phase_paths(trace: Path, phases: int) -> list[Path]:
+    """Where the runs of all phases of a step but the first are archived: beside the first."""
+    return [trace.with_suffix(f".{k}.npz") for k in range(1, phases)]
 
 
 def new_id(now: datetime | None = None) -> str:
@@ -69,13 +74,18 @@ class RunFolder:
             self._journal.write(cell_to_json(cell) + "\n")
             self._journal.flush()
 
-    def keep(self, key: str, run: Run) -> str:
-        """Archive what was recorded; the path relative to the folder, "" if there is no motion to keep."""
+    def keep(self, key: str, run: Run, more: Sequence[Run] = ()) -> str:
+        """Archive what was recorded; the path relative to the folder, "" if there is no motion to keep.
+
+        `more` are the runs of the other phases of a step; they stand beside the first (`phase_paths`).
+        """
         if run.trajectory is None:
             return ""
         name = f"traces/{key}.npz"
         with self._guarded():
             archive.write(self.path / name, run)
+            for path, other in zip(phase_paths(self.path / name, 1 + len(more)), more, strict=True):
+                archive.write(path, other)
         return name
 
     def describe(self, manifest: Mapping[str, Any]) -> None:
@@ -190,9 +200,14 @@ class Traces(Mapping[str, Run]):
 
     def __init__(self, path: Path, cells: tuple[Cell, ...]) -> None:
         self._paths = {c.key: path / c.trace for c in cells if c.trace and (path / c.trace).is_file()}
+        self._phases = {c.key: c.phase_count for c in cells}
 
     def __getitem__(self, key: str) -> Run:
         return archive.read(self._paths[key])
+
+    def others(self, key: str) -> list[Run]:
+        """Runs of the other phases of a step, in order."""
+        return [archive.read(path) for path in phase_paths(self._paths[key], self._phases[key])]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._paths)

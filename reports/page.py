@@ -12,6 +12,7 @@ from typing import Any
 
 from comparisons.cell import Campaign, Cell, cell_to_json
 from comparisons.measurement import Measurement
+from reports import museum, phases
 from reports.balance import balance
 from reports.card import cards, incomparable, lines, remarks
 from reports.charts import cost_figures, has_point
@@ -107,6 +108,8 @@ def page(
         ladder_legend=RUNGS,
         series=[(c.scenario, [(f.title, svg(f, 560.0, 230.0)) for f in c.figures], c.remark) for c in curves],
         undrawn=undrawn,
+        rooms=museum.rooms(campaign),
+        phases=phases.lines(campaign),
         card=lines(cards(campaign)),
         carded=tuple(cards(campaign)),
         card_remarks=remarks(cards(campaign)),

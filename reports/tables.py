@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from comparisons.cell import Campaign, Cell
 from comparisons.reading import dependent
 from reports.card import differing, told
+from reports.phases import Spread
 from reports.verdict import ratio
 
 if TYPE_CHECKING:
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
 
 IDENTITY = ("run", "cell", "scenario", "family", "version", "engine", "engine_version", "settings", "state")
 MEASUREMENT = ("quantity", "value", "unit", "time", "text", "tolerance", "exact", "ratio", "verdict", "why")
-COLUMNS = (*IDENTITY, *MEASUREMENT, "cost", "not_comparable")
+PHASES = ("phase_least", "phase_median", "phase_most")
+COLUMNS = (*IDENTITY, *MEASUREMENT, "cost", "not_comparable", *PHASES)
 CELL = (
     *IDENTITY, "tags", "duration", "stage", "reason", "time", "cost", "repeats", "contention", "deterministic",
     "build_seconds", "digest", "impacts", "worst", "worst_ratio", "known", "notes", "trace", "reproduce",
@@ -39,7 +41,10 @@ def measurement_rows(campaign: Campaign) -> list[dict[str, Any]]:
         for m in cell.measurements:
             own = {n: ratio(m) if n == "ratio" else getattr(m, n) for n in MEASUREMENT}
             reasons = [told(r) for r in differs if dependent(m.quantity, (r,))]
-            rows.append(_encodable(identity | own | {"cost": cell.cost, "not_comparable": "; ".join(reasons)}))
+            spread = Spread.of(cell.phases.get(m.quantity, ()))
+            extremes = (spread.least, spread.median, spread.most) if spread else (math.nan,) * 3
+            told_of = {"cost": cell.cost, "not_comparable": "; ".join(reasons)}
+            rows.append(_encodable(identity | own | told_of | dict(zip(PHASES, extremes, strict=True))))
     return rows
 
 
@@ -79,7 +84,8 @@ def frame(campaign: Campaign) -> pd.DataFrame:
         Columns `run`, `cell`, `scenario`, `family`, `version`, `engine`, `engine_version`, `settings` (JSON),
         `state`, the fields of `Measurement`, `ratio` (error over tolerance; NaN if nothing is demanded), `cost`
         (CPU seconds per simulated second), `not_comparable` (what the engine got otherwise than asked and this
-        quantity depends on) and one column `setting.NAME` per setting.
+        quantity depends on), `phase_least`, `phase_median`, `phase_most` (over the phases of a step) and one
+        column `setting.NAME` per setting.
     """
     import pandas as pd
 

@@ -20,6 +20,7 @@ import numpy as np
 from mechanics.effects import Effect
 from mechanics.scene import Scene
 from mechanics.trajectory import Trajectory
+from scenarios.exhibit import Exhibit
 
 Truth = Callable[[np.ndarray], Trajectory]
 
@@ -71,8 +72,8 @@ class Scenario:
     laws : mapping of str to Trajectory-independent final velocities, or empty
         Where mechanics leaves the answer to the impact law: admissible law -> (n, 3) final velocities
         of all bodies.  The realised law is named, not marked.
-    e : float or None
-        Restitution asked for, where impacts are to be measured.
+    exhibit : Exhibit or None
+        What makes it an exhibit of the museum.
     name, version, summary, tags, suites, parameters
         Filled in by the `scenario` decorator.
     """
@@ -87,6 +88,7 @@ class Scenario:
     events: tuple[float, ...] = ()
     guard: float = 5e-3
     laws: Mapping[str, tuple[tuple[float, float, float], ...]] = field(default_factory=dict)
+    exhibit: Exhibit | None = None
     name: str = ""
     version: int = 1
     summary: str = ""

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from adapters.run import Run, sample_times
-from comparisons import accuracy, energy, momentum, penetration, rest, restitution, stability
+from comparisons import accuracy, energy, exhibits, momentum, penetration, rest, restitution, stability
 from comparisons.measurement import Case
 from mechanics.rotation import angle_between
 from scenarios import catalogue
@@ -18,7 +18,7 @@ from scenarios.tolerance import STEP
 
 EVERY = [s for family in catalogue.families().values() for s in family.all()]
 KNOWN = [s for s in EVERY if s.truth is not None]
-JUDGES = (accuracy, energy, momentum, penetration, rest, restitution, stability)
+JUDGES = (accuracy, energy, exhibits, momentum, penetration, rest, restitution, stability)
 
 
 def label(scenario: Scenario) -> str:

@@ -1,0 +1,1 @@
+"""The museum: behaviours that users of engines have run into, one exhibit a file."""
