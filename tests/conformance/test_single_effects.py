@@ -24,7 +24,7 @@ FAIR = [
     engine
     for module in (adapters.pybullet, adapters.mujoco, adapters.pymunk)
     for engine in module.ENGINES.values()
-    if "stock" not in engine.name and importlib.util.find_spec(engine.name.partition(":")[0])
+    if not engine.stock and importlib.util.find_spec(engine.name.partition(":")[0])
 ]
 SPATIAL = [engine for engine in FAIR if engine.name != "pymunk"]
 every_engine = pytest.mark.parametrize("engine", FAIR, ids=lambda engine: engine.name)
