@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from comparisons.cell import Campaign, Cell
 from comparisons.reading import Reading, dependent, facts, fastest, from_plain
 from reports.numbers import short, unit_text
-from reports.verdict import description
+from reports.verdict import description, engines
 
 
 @dataclass(frozen=True)
@@ -41,10 +41,10 @@ class Line:
 
 
 def cards(campaign: Campaign) -> dict[str, tuple[Reading, ...]]:
-    """Engine -> its card, of those that have one."""
+    """Engine -> its card, of those that have one, in the order of the page."""
     found = {}
-    for engine, told in campaign.engines.items():
-        rows = told.get("card", {}).get("readings", ())
+    for engine in engines(campaign):
+        rows = campaign.engines.get(engine, {}).get("card", {}).get("readings", ())
         if rows:
             found[engine] = tuple(from_plain(row) for row in rows)
     return found
