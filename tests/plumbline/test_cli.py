@@ -262,7 +262,7 @@ def test_lists_and_descriptions_are_for_people_and_programs(command):
     code, out, _ = command("list", "--json")
     told = json.loads(out)
     assert code == 0
-    assert set(told) == {"engines", "suites", "scenarios", "metrics"}
+    assert set(told) == {"engines", "suites", "scenarios", "metrics", "ladders"}
     assert {"toy", "toy:faulty"} <= {e["name"] for e in told["engines"]}
     code, out, _ = command("list", "suites")
     assert "standard" in out
