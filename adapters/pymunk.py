@@ -253,8 +253,13 @@ ENGINES = {
                 "sixteen times as far",
                 "collision_bias = 1": "where no contact lasts (no Resting) there is no overlap to correct, and lifting "
                 "a bouncing ball out of the floor is work nobody did",
-                "error_bias = 0": "the default corrects joints slowly and damps a pendulum by 1 % in 3 s; but three "
-                "hinges or more that hold a hundred times a link blow up without it",
+                "error_bias = 0 of a joint alone": "one iteration solves a rod, a hinge or a taut string exactly where "
+                "no other link holds its bodies and no contact lasts, and each step can make good all of its error: a "
+                "hinged rod let go at 120 degrees keeps its energy to 1e-5 in 3 s at 1 ms; by default it loses 1.8 %. "
+                "Joints that share a body keep the default (1 - 0.1)**60: more lets chains blow up that hold a load. "
+                "Per step of 1 ms the default corrects 0.6 % and holds 100 links of 1 kg under 100 kg; 2 % holds 50, "
+                "5 % 20, 10 % 10, all of it 2; a double pendulum loses 1.3 % of its energy in 2 s for that. A string "
+                "that goes taut later keeps it, too: corrected at once it rebounds, and is off by 1.9 m/s",
                 "moments from the scene": "pymunk's circle is a disc, the scene's sphere a ball",
                 "half-space = rectangle 2 km long": "pymunk has no plane; on a thick segment a stack drifts further",
             },

@@ -6,6 +6,7 @@ Every figure quoted here was measured with pymunk 7.3.1.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import ModuleType
@@ -23,6 +24,7 @@ from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, Capsule, Cylinder, HalfSpace, Sphere
 
 GROUND = (1000.0, 10.0)  # half length and depth of the rectangle that stands for a half-space [m]
+TAUT = 1e-9  # a string shorter by less than this part of its length is taut
 
 
 @dataclass
@@ -80,8 +82,9 @@ class Builder:
         for body in scene.bodies:
             self._add(world, draft, body)
         self._set_coefficients(world, draft)
-        for link in draft.links:
-            self._tie(world, link)
+        alone = [False] * len(draft.links) if Resting in scene.needs else _alone(scene, draft.links)
+        for link, one in zip(draft.links, alone, strict=True):
+            self._tie(world, link, one)
         world.driven = [i for i, body in enumerate(scene.bodies) if any(body.acceleration)]
         return world
 
@@ -164,8 +167,15 @@ class Builder:
 
         world.space.on_collision(pre_solve=pre_solve)
 
-    def _tie(self, world: World, link: Spring | Rod | Tether | Hinge) -> None:
-        """The native joint of a link, fair: without the error bias that would damp it."""
+    def _tie(self, world: World, link: Spring | Rod | Tether | Hinge, alone: bool) -> None:
+        """The native joint of a link; a fair one that is `alone` makes good its whole error in each step.
+
+        `error_bias` is the part of an error that is left after a second.  One joint is solved exactly by one
+        iteration, and to correct it at once is stable whatever the masses.  Joints that share a body are solved one
+        after the other: what is left of that grows where it is fed back as a correction, so these keep the default.
+        So does a string that is slack at the start: taut, it has been overstretched by the way of a step, and what
+        brings it back at once is speed of the body, which makes it rebound.
+        """
         pm, scene = self.pymunk, world.scene
         a, b = (world.bodies[scene.index(name)] for name in (link.a, link.b))
         if scene.body(link.a).fixed and scene.body(link.b).fixed:
@@ -185,10 +195,23 @@ class Builder:
                 joint = pm.SlideJoint(a, b, *ends, 0.0, link.length)
             case Hinge():
                 joint = pm.PivotJoint(a, b, *ends)
-        if not isinstance(link, Spring) and not self.stock:
+        if alone and not self.stock and not isinstance(link, Spring) and not _slack(joint):
             joint.error_bias = 0.0
         joint.collide_bodies = isinstance(link, (Spring, Tether))
         world.space.add(joint)
+
+
+def _alone(scene: Scene, links: list[Spring | Rod | Tether | Hinge]) -> list[bool]:
+    """Which links share none of their moving bodies with another link."""
+    moving = [{name for name in (link.a, link.b) if not scene.body(name).fixed} for link in links]
+    held = Counter(name for names in moving for name in names)
+    return [all(held[name] == 1 for name in names) for names in moving]
+
+
+def _slack(joint: Any) -> bool:
+    """Whether a joint is a string with some length to go."""
+    a, b = (body.local_to_world(end) for body, end in ((joint.a, joint.anchor_a), (joint.b, joint.anchor_b)))
+    return hasattr(joint, "max") and a.get_distance(b) < joint.max * (1.0 - TAUT)
 
 
 def substeps(settings: Settings) -> int:
