@@ -106,7 +106,9 @@ class Flock:
         else:
             outside, self.cell, edges = np.ones(n, dtype=bool), 1.0, np.full(3, FEWEST)
         self.whole[:, queue.EVERYWHERE] = outside
-        self.everywhere = np.flatnonzero(outside)
+        lasting = (b.shape == PLANE) & ~world.motion.v.any(axis=1) & ~b.acceleration.any(axis=1)
+        self.walls = np.flatnonzero(lasting)[: queue.BITS]  # looked at only from cells that come near to them
+        self.everywhere = np.setdiff1d(np.flatnonzero(outside), self.walls)
         self.head = np.full(tuple(edges.tolist()), queue.NOBODY)
 
     def _tree(self, n: int) -> None:
@@ -135,8 +137,8 @@ class Flock:
         real[which, queue.BEGIN], real[which, queue.BEGIN_REST] = m.begin[which], 0.0
         self.whole[which, queue.STILL] = world.mode[which] == STILL
         self.whole[which, queue.COUNT] += 1
-        loop.refresh(real, self.whole, self.head, self.tree, self.everywhere, self.near, self.desk, self.work, which,
-                     self.figures, self.counts)  # fmt: skip
+        loop.refresh(real, self.whole, self.head, self.tree, self.everywhere, self.walls, self.near, self.desk,
+                     self.work, which, self.figures, self.counts)  # fmt: skip
         self.fresh[:] = False
 
     def give(self, world: World) -> None:
@@ -178,9 +180,9 @@ class Flock:
             if end == loop.FULL:
                 record.grow()
             end = self.kernel(
-                self.real, self.whole, self.head, self.tree, self.everywhere, self.restitution, self.friction,
-                self.near, self.also, self.desk, self.beside, self.work, self.normal, record.ends, record.numbers,
-                f, self.counts, limit, events, TURNS,
+                self.real, self.whole, self.head, self.tree, self.everywhere, self.walls, self.restitution,
+                self.friction, self.near, self.also, self.desk, self.beside, self.work, self.normal, record.ends,
+                record.numbers, f, self.counts, limit, events, TURNS,
             )  # fmt: skip
             turns += TURNS
             if turns > CROSSINGS * (world.settings.events + TURNS):

@@ -49,6 +49,7 @@ from reference_impl.bounces.queue import (
     cross_over,
     enter,
     leave,
+    near_walls,
     next_cell,
     place,
     schedule,
@@ -113,8 +114,8 @@ def _meeting(real, whole, i, k, desk, at, work, quiet, tolerance, most):
         for c in range(3):
             n = real[k, NORMAL + c]
             gap += n * (desk[me, c] - desk[at, c])
-            rate += n * desk[me, 3 + c]
-            pull += n * real[i, A + c]
+            rate += n * (desk[me, 3 + c] - desk[at, 3 + c])
+            pull += n * (real[i, A + c] - real[k, A + c])
         # a first glance that only excludes what is clear beyond rounding
         if gap * CLEARLY > -most * (min(rate, 0.0) + 0.5 * most * min(pull, 0.0)):
             return most, False
@@ -175,10 +176,10 @@ def _predict(real, whole, i, near, count, desk, work, figures, counts, fresh):
 
 
 @lean
-def _gather(real, whole, head, everywhere, i, entered, figures, near, desk):
+def _gather(real, whole, head, everywhere, walls, i, entered, figures, near, desk):
     """Bodies around i and where they are now, as `_predict` reads them; returns how many."""
     hi, lo = figures[NOW], figures[NOW_REST]
-    count = around(whole, head, everywhere, i, entered, near)
+    count = around(whole, head, everywhere, walls, i, entered, near)
     for at in range(count):
         place(real, near[at], hi, lo, desk, at)
     place(real, i, hi, lo, desk, len(desk) - 1)
@@ -199,7 +200,7 @@ def _touches_another(real, whole, i, partner, near, count, desk, quiet):
             gap = -size
             for c in range(3):
                 gap += real[k, NORMAL + c] * (desk[me, c] - desk[at, c])
-                rate += real[k, NORMAL + c] * desk[me, 3 + c]
+                rate += real[k, NORMAL + c] * (desk[me, 3 + c] - desk[at, 3 + c])
                 size += abs(desk[me, c]) + abs(desk[at, c])
         else:
             square = 0.0
@@ -388,7 +389,7 @@ def _begin_again(real, whole, i, state, hi, lo):
 
 
 @lean
-def refresh(real, whole, head, tree, everywhere, near, desk, work, fresh, figures, counts):
+def refresh(real, whole, head, tree, everywhere, walls, near, desk, work, fresh, figures, counts):
     """Cells and next events of the bodies `fresh`, whose motion is new."""
     hi, lo, cell = figures[NOW], figures[NOW_REST], figures[CELL_SIZE]
     for i in fresh:
@@ -401,10 +402,11 @@ def refresh(real, whole, head, tree, everywhere, near, desk, work, fresh, figure
             whole[i, CELL + c] = math.floor(desk[0, c] / cell)
         enter(whole, head, i)
         whole[i, INSIDE] = 1
+        near_walls(real, whole, walls, i, cell)
         next_cell(real, whole, i, desk, 0, hi, lo, cell)
     for i in fresh:
         if whole[i, WALL] == 0:
-            count = _gather(real, whole, head, everywhere, i, False, figures, near, desk)
+            count = _gather(real, whole, head, everywhere, walls, i, False, figures, near, desk)
             _predict(real, whole, i, near, count, desk, work, figures, counts, True)
         schedule(real, tree, i)
 
@@ -435,8 +437,8 @@ def bounces(turning: bool, rough: bool) -> Any:
 
     @lean
     def run(
-        real, whole, head, tree, everywhere, restitution, friction, near, also, desk, beside, work, n, ends, numbers,
-        figures, counts, limit, events, turns
+        real, whole, head, tree, everywhere, walls, restitution, friction, near, also, desk, beside, work, n, ends,
+        numbers, figures, counts, limit, events, turns
     ):  # fmt: skip
         quiet = figures[QUIET]
         impulse, slip, was = work[0], work[1], work[3:5]
@@ -450,22 +452,24 @@ def bounces(turning: bool, rough: bool) -> Any:
                 return PAUSED
             figures[NOW], figures[NOW_REST] = hi, lo
             if real[i, CROSS] < real[i, HIT]:
-                cross_over(whole, head, i)
-                count = _gather(real, whole, head, everywhere, i, True, figures, near, desk)
+                cross_over(real, whole, head, walls, i, figures[CELL_SIZE])
+                count = _gather(real, whole, head, everywhere, walls, i, True, figures, near, desk)
                 next_cell(real, whole, i, desk, len(desk) - 1, hi, lo, figures[CELL_SIZE])
                 _predict(real, whole, i, near, count, desk, work, figures, counts, False)
                 schedule(real, tree, i)
                 continue
             j = whole[i, PARTNER]
-            count = _gather(real, whole, head, everywhere, i, False, figures, near, desk)
+            count = _gather(real, whole, head, everywhere, walls, i, False, figures, near, desk)
             if j == NOBODY or whole[j, COUNT] != whole[i, STAMP]:
                 _predict(real, whole, i, near, count, desk, work, figures, counts, True)
                 schedule(real, tree, i)
                 continue
             if counts[RECORDED] == len(ends):
                 return FULL
-            more = _gather(real, whole, head, everywhere, j, False, figures, also, beside) if whole[j, WALL] == 0 else 0
-            if whole[j, WALL] == 1:
+            more = 0
+            if whole[j, WALL] == 0:
+                more = _gather(real, whole, head, everywhere, walls, j, False, figures, also, beside)
+            else:
                 place(real, j, hi, lo, beside, len(beside) - 1)
             mine, other = desk[len(desk) - 1], beside[len(beside) - 1]
             a, b, at_a, at_b = i, j, mine, other

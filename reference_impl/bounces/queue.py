@@ -27,9 +27,12 @@ WALL, STILL, EVERYWHERE, GROUP = 0, 1, 2, 3  # half-space; at rest for good; not
 PARTNER, STAMP, COUNT = 4, 5, 6  # of the next meeting, its count then; how often this body's motion has changed
 CELL, INSIDE, SIDE, NEXT, BEFORE = 7, 10, 11, 12, 13  # cell (3), whether it is in it, side it leaves by, its bucket
 CHANGED = 14  # motion that Python does not know yet
-WHOLES = 15
+BESIDE, ARRIVED = 15, 16  # bits: walls that the cell comes near to, and those of them that the cell before did not
+WHOLES = 17
 
 NOBODY = -1
+BITS = 62  # walls for which there is a bit
+SLACK = 1e-3  # of the edge of a cell, by which a wall that is not near its cell is clear of a body
 
 
 @inlined
@@ -101,10 +104,15 @@ def next_cell(real, whole, i, desk, at, hi, lo, cell):
     real[i, CROSS] = np.inf
     for c in range(3):
         v, a = desk[at, 3 + c], real[i, A + c]
-        if v == 0.0 and a == 0.0:
-            continue
         low = desk[at, c] - cell * whole[i, CELL + c]
-        below, above = parabola(low, v, a), parabola(cell - low, -v, -a)
+        if a != 0.0:
+            below, above = parabola(low, v, a), parabola(cell - low, -v, -a)
+        elif v < 0.0:
+            below, above = max(low, 0.0) / -v, np.inf  # what `parabola` gives, without a root
+        elif v > 0.0:
+            below, above = np.inf, max(cell - low, 0.0) / v
+        else:
+            continue
         t = hi + (lo + min(below, above))
         if t < real[i, CROSS]:
             real[i, CROSS] = t
@@ -112,19 +120,36 @@ def next_cell(real, whole, i, desk, at, hi, lo, cell):
 
 
 @lean
-def cross_over(whole, head, i):
-    """Move body i to the next cell by the side it leaves."""
+def near_walls(real, whole, walls, i, cell):
+    """Note which of `walls` body i may touch in its cell of edge `cell` [m]."""
+    before, whole[i, BESIDE] = whole[i, BESIDE], 0
+    for at in range(len(walls)):
+        k = walls[at]
+        room = -real[i, RADIUS] - SLACK * cell  # at the corner of the cell that is the nearest to the wall
+        for c in range(3):
+            n = real[k, NORMAL + c]
+            corner = whole[i, CELL + c] if n > 0.0 else whole[i, CELL + c] + 1
+            room += n * (cell * corner - real[k, X + c])
+        if room <= 0.0:
+            whole[i, BESIDE] |= 1 << at
+    whole[i, ARRIVED] = whole[i, BESIDE] & ~before
+
+
+@lean
+def cross_over(real, whole, head, walls, i, cell):
+    """Move body i to the next cell, of edge `cell` [m], by the side it leaves."""
     leave(whole, head, i)
     c = whole[i, SIDE] // 2
     whole[i, CELL + c] += 1 if whole[i, SIDE] % 2 == 1 else -1
     enter(whole, head, i)
+    near_walls(real, whole, walls, i, cell)
 
 
 @lean
-def around(whole, head, everywhere, i, entered, near):
+def around(whole, head, everywhere, walls, i, entered, near):
     """Bodies that i may meet before it or they change cells, into `near`; returns how many.
 
-    With `entered`, only those in the cells that have come near since it entered its cell.  Cells that are a
+    With `entered`, only those that have come near since it entered its cell.  Cells that are a
     multiple of an edge of `head` apart share a list: who is far off is looked at in vain, and nobody twice.
     """
     count = 0
@@ -156,5 +181,10 @@ def around(whole, head, everywhere, i, entered, near):
     if not entered:
         for at in range(len(everywhere)):
             near[count] = everywhere[at]
+            count += 1
+    bits = whole[i, ARRIVED] if entered else whole[i, BESIDE]
+    for at in range(len(walls)):
+        if bits >> at & 1:
+            near[count] = walls[at]
             count += 1
     return count

@@ -207,11 +207,30 @@ def test_the_cells_list_everybody_near_and_nobody_twice():
     flock, near = world.flock, np.empty(66, dtype=np.int64)
     cells = flock.whole[:, queue.CELL : queue.CELL + 3]
     for i in range(6, 66):
-        count = queue.around(flock.whole, flock.head, flock.everywhere, i, False, near)
+        count = queue.around(flock.whole, flock.head, flock.everywhere, flock.walls, i, False, near)
         listed = near[:count].tolist()
         close = [k for k in range(6, 66) if k != i and abs(cells[k] - cells[i]).max() <= 1]
+        low, radius = flock.cell * cells[i], flock.real[i, queue.RADIUS]
+        nearest = np.concatenate([low, 1.4 - low - flock.cell])  # a corner of the cell, from the walls
+        walls = [2 * c + side for side in (0, 1) for c in range(3) if nearest[3 * side + c] <= radius]
         assert len(set(listed)) == count
-        assert set(listed) >= {*close, *range(6)}
+        assert set(listed) >= {*close, *walls}
+
+
+@pytest.mark.parametrize(("count", "bound"), [(3, 1e-12), (40, 1e-11)])
+@pytest.mark.parametrize("motion", [{"velocity": (0.0, 0.0, 0.8)}, {"acceleration": (0.0, 0.0, 1.5)}])
+def test_a_floor_that_rises_is_met_where_it_is(motion, count, bound):
+    """Few bodies and many, without cells and with them."""
+    walls = room(1.4)
+    floor = Body("floor", HalfSpace(), position=(0.0, 0.0, -0.2), **motion)
+    rest = tuple(w for w in walls if w.name != "wall 2 1.0")
+    with_loop, without = both(
+        Scene((*rest, floor, *balls(count, 31, 1.4, (0.02, 0.04))), (Restitution(0.9), Gravity())), 0.5
+    )
+    met = [e for e in with_loop.events if len(rest) in (e.a, e.b)]
+    assert met
+    assert max(e.point[2] for e in met) > -0.15
+    assert_same(with_loop, without, bound)
 
 
 def test_a_state_is_the_same_whenever_it_is_asked_for():
