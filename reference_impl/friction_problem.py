@@ -34,7 +34,8 @@ from reference_impl.friction_newton import newton
 from reference_impl.friction_solvers import pivot, relax, sweep
 
 GOOD = 1e-12  # certificate at which the search ends
-USABLE = 1e-9  # certificate above which an answer is refused
+USABLE = 1e-9  # certificate above which an answer is refused, unless a coarser one is asked for
+QUICK = 300  # sweeps up to which solvers go on for a good certificate even if a coarser one is enough
 SWEEPS = (30, 300, 3_000, 20_000)  # of non-smooth Gauss-Seidel, each followed by Newton's method
 MODELS = ("exact", "pyramid", "convex")
 
@@ -62,7 +63,9 @@ class Rough(NamedTuple):
     across: np.ndarray | None = None
 
 
-def solve(problem: Rough, model: str = "exact", sides: int = 4, guess: np.ndarray | None = None) -> Answer:
+def solve(
+    problem: Rough, model: str = "exact", sides: int = 4, guess: np.ndarray | None = None, enough: float = GOOD
+) -> Answer:
     """Solution of a contact problem with friction, with its certificate.
 
     Parameters
@@ -73,6 +76,9 @@ def solve(problem: Rough, model: str = "exact", sides: int = 4, guess: np.ndarra
         Of the polygon of `pyramid`, from 4 on and even; its corners begin at the first tangent.
     guess : (m,) array of int, optional
         Expected state of each contact: OFF, HOLDS or SLIPS (along its first tangent); accepted if certified good.
+    enough : float
+        Certificate that is as good as what the problem is known by.  Points of contact at heights that differ by
+        what touches cannot all keep to one plane, and leave a slip as small as that, which no force stops.
 
     Raises
     ------
@@ -95,8 +101,8 @@ def solve(problem: Rough, model: str = "exact", sides: int = 4, guess: np.ndarra
         r, worth, solver = friction_polygon.solve(unit, across, sides, guess)
         x, residual = unit.c + unit.g.T @ r, worth / _scale(unit)
     else:
-        r, x, residual, solver = _searched(unit, model == "convex", guess)
-    if not residual <= USABLE:
+        r, x, residual, solver = _searched(unit, model == "convex", guess, enough)
+    if not residual <= max(USABLE, enough):
         raise NoSolution(f"no solver solves the friction of {len(length)} contacts (best certificate {residual:.3g})")
     u = (unit.g @ x - unit.d).reshape(-1, 3)
     pressed = (r[::3] > 0.0) | (u[:, 0] <= CLOSED * _scale(unit))
@@ -140,9 +146,11 @@ def _unit(problem: Rough) -> tuple[Rough, np.ndarray]:
     return problem._replace(g=np.ascontiguousarray(problem.g / scale[:, None]), d=problem.d / scale), length
 
 
-def _searched(p: Rough, convex: bool, guess: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, float, str]:
+def _searched(
+    p: Rough, convex: bool, guess: np.ndarray | None, enough: float
+) -> tuple[np.ndarray, np.ndarray, float, str]:
     """The best answer; where contacts slide, with the most even split of the load (see `friction_hold.hold`)."""
-    best = _portfolio(p, convex, guess)
+    best = _portfolio(p, convex, guess, enough)
     if p.slides.any() and best[3] != "guess" and best[2] <= USABLE:
         even = _held(p, *_modes(p, best[0]))
         if even is not None:
@@ -152,7 +160,9 @@ def _searched(p: Rough, convex: bool, guess: np.ndarray | None) -> tuple[np.ndar
     return best
 
 
-def _portfolio(p: Rough, convex: bool, guess: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, float, str]:
+def _portfolio(
+    p: Rough, convex: bool, guess: np.ndarray | None, enough: float
+) -> tuple[np.ndarray, np.ndarray, float, str]:
     """The best answer of all solvers: (r, x, residual, solver)."""
     best = (np.zeros(len(p.d)), p.c, np.inf, "none")
 
@@ -175,13 +185,15 @@ def _portfolio(p: Rough, convex: bool, guess: np.ndarray | None) -> tuple[np.nda
             if name == "newton":
                 r = newton(p.g, p.c, p.d, p.mu, p.slides, convex, best[0])
             offer(r, None, name)
-            if not convex and np.isfinite(r).all():
-                held = _held(p, *_modes(p, r))
+            for modes in (_modes, _torn) if not convex and np.isfinite(r).all() else ():
+                held = _held(p, *modes(p, r)) if best[2] > GOOD else None
                 if held is not None:
                     offer(*held, name)
             if best[2] <= GOOD:
                 return best
         if sweeps == SWEEPS[0] and p.slides.all() and offer(_sliding(p), None, "pivots"):
+            return best
+        if sweeps >= QUICK and best[2] <= enough:
             return best
         r = best[0].copy() if np.isfinite(best[2]) else np.zeros(len(p.d))
     for weight in (1.0, 0.1, 10.0):
@@ -207,6 +219,21 @@ def _modes(p: Rough, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     way = np.zeros((len(f), 2))
     way[edge] = u[edge, 1:] / slip[edge, None]
     way[p.slides] = (1.0, 0.0)
+    return modes, way
+
+
+def _torn(p: Rough, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """As `_modes`, where of contacts that seem to hold those slip whose rest of slip is against their friction.
+
+    Contacts at almost one height that cannot all hold: a body that turns by little more than rounding slides at one
+    of them with hardly any slip.  Solvers share that slip out, half of it the wrong way.
+    """
+    modes, way = _modes(p, r)
+    friction, slip = r.reshape(-1, 3)[:, 1:], (p.g @ (p.c + p.g.T @ r) - p.d).reshape(-1, 3)[:, 1:]
+    size = np.sqrt((slip**2).sum(axis=1))
+    torn = (modes == HOLDS) & ((friction * slip).sum(axis=1) < 0.0) & (size > GOOD * _scale(p))
+    modes[torn] = SLIPS
+    way[torn] = slip[torn] / size[torn, None]
     return modes, way
 
 

@@ -21,7 +21,8 @@ from reference_impl.flight import where
 from reference_impl.rough import jam
 from reference_impl.world import World
 
-DEEP = 1e-11  # overlap that sends a step back [smallest body size]
+DEEP = 10.0  # overlap that sends a step back: what counts as touching by the tolerance alone [search tolerance]
+FINEST = 1e-12  # tolerance below which that overlap shrinks no further, to stay above rounding [smallest body size]
 SHORTEST = 1e-13  # step below which the motion is stuck [time scale]
 BRINK = 1e-7  # time before forces cease to exist at which impulses take over [time scale]
 SHORT = 1e-3  # of a step, that is left for another one where a slip that turns comes to its end
@@ -83,8 +84,9 @@ def _step(world: World, course: Course, limit: float) -> None:
             world.audit.rejected += 1
             h = (end - start) * max(0.2, 0.9 * error**-course.method.exponent)
             continue
-        # what is there from the start is not the step's
-        deepest = min(-DEEP * world.scales.length, 1.1 * course.gap.min(initial=0.0))
+        # what is there from the start is not the step's, and contacts are found as late as the search may be
+        within = DEEP * max(world.search.tolerance, FINEST * world.scales.length)
+        deepest = min(-within, 1.1 * course.gap.min(initial=0.0))
         if _overlap(world, course, stop, course.new) < deepest:
             world.audit.rejected += 1
             h = 0.5 * (stop - start)

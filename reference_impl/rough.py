@@ -49,7 +49,7 @@ def rough_collision(
     elif world.moving:
         drift[:, 0] = np.einsum("ij,ij->i", problem.k.normal, s.carried)
         drift[:, 1:] = np.einsum("ijk,ik->ij", tangents, s.carried)
-    choices = (model, world.settings.sides, world.settings.restitution)
+    choices = (model, world.settings.sides, world.settings.restitution, world.settings.tolerance)
     return RoughCollision(
         rows, problem.motion, drift, e, world.search.speed, world.audit.certified_friction, mu, *choices
     ), tangents
@@ -116,7 +116,7 @@ def jam(world: World, island: Island) -> None:
     p = rough(island, problem, pose, b, tangents, mu, np.zeros(len(mu), dtype=np.bool_))
     try:
         p = p._replace(g=rows, c=problem.motion + kick, d=-collision.drift.ravel())
-        answer = solve(p, collision.model, collision.sides)
+        answer = solve(p, collision.model, collision.sides, enough=collision.enough)
     except NoSolution as error:
         raise Stalled(f"impulses in place of forces: {error}", world.t) from None
     # without the loads' share the contacts that hold would slide by as much backwards

@@ -17,7 +17,7 @@ import numpy as np
 
 from reference_impl.contact_problem import NoSolution
 from reference_impl.effects.phases import HYPOTHESES, strike
-from reference_impl.friction_problem import Rough, solve
+from reference_impl.friction_problem import GOOD, Rough, solve
 
 
 class RoughCollision(NamedTuple):
@@ -36,6 +36,7 @@ class RoughCollision(NamedTuple):
     model: str = "exact"  # of friction, one of `friction_problem.MODELS`
     sides: int = 4  # of the polygon where that is "pyramid"
     restitution: str = "newton"  # or one of `phases.HYPOTHESES`
+    enough: float = GOOD  # certificate, see `friction_problem.solve`
 
     def nothing(self) -> np.ndarray:
         """No impulses."""
@@ -59,7 +60,7 @@ class RoughCollision(NamedTuple):
         problem = Rough(
             rows.reshape(3 * count, -1), motion, least.ravel(), self.mu[chosen], np.zeros(count, dtype=np.bool_)
         )
-        answer = solve(problem, self.model, self.sides)
+        answer = solve(problem, self.model, self.sides, enough=self.enough)
         out[chosen] = answer.r
         self.certified(answer.residual)
         return out
