@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from adapters.engine import Refusal, Settings
-from adapters.translate import from_z, joined
+from adapters.translate import joined, shortest
 from mechanics.arrays import Quat, Triple
 from mechanics.effects import Drag, Force, Friction, Hinge, Resting, Rod, Spring, Tether
 from mechanics.inertia import principal
@@ -153,7 +153,7 @@ class Modeller:
                 form = {"type": kind.mjGEOM_CYLINDER, "size": (radius, 0.5 * length, 0.0)}
             case HalfSpace(normal):
                 form = {"type": kind.mjGEOM_PLANE, "size": (0.0, 0.0, 1.0)}
-                turned = product(turned, from_z(np.array(normal)))
+                turned = product(turned, shortest(np.array([0.0, 0.0, 1.0]), np.array(normal)))
             case Mesh(vertices, triangles):
                 spec.add_mesh(name=f"mesh{i}", uservert=np.ravel(vertices), userface=np.ravel(triangles))
                 form = {"type": kind.mjGEOM_MESH, "meshname": f"mesh{i}"}

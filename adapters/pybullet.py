@@ -19,7 +19,7 @@ import numpy as np
 from adapters.configured import Configured
 from adapters.engine import ContactForce, Refusal, Settings
 from adapters.pushes import Motion, pusher
-from adapters.pybullet_world import Builder, Draft, World, substeps, wxyz
+from adapters.pybullet_world import HULL_MARGIN, STOCK_HULL_MARGIN, Builder, Draft, World, substeps, wxyz
 from adapters.translate import TIME_STEPS, anchor_speed, factors, installed_version, muted
 from mechanics.arrays import Vec3
 from mechanics.effects import (
@@ -128,14 +128,19 @@ class PyBullet(Configured):
 
     def _restitution(self, draft: Draft, effect: Restitution) -> str | None:
         draft.restitution = factors(draft.scene, effect)
-        return _hull_margin(draft.scene)
+        return self._hull_margin(draft.scene)
 
     def _friction(self, draft: Draft, effect: Friction) -> str | None:
         draft.friction = factors(draft.scene, effect)
-        return None if Restitution in draft.scene.needs else _hull_margin(draft.scene)
+        return None if Restitution in draft.scene.needs else self._hull_margin(draft.scene)
 
     def _resting(self, draft: Draft, _: Resting) -> str | None:
-        return _hull_margin(draft.scene) if draft.scene.needs.isdisjoint({Restitution, Friction}) else None
+        return self._hull_margin(draft.scene) if draft.scene.needs.isdisjoint({Restitution, Friction}) else None
+
+    def _hull_margin(self, scene: Scene) -> str | None:
+        hulls = [b.name for b in scene.bodies if isinstance(b.shape, Mesh)]
+        margin = 1e3 * (STOCK_HULL_MARGIN if self.stock else HULL_MARGIN)
+        return f"convex hulls touch {margin:g} mm early (collision margin): {', '.join(hulls)}" if hulls else None
 
     def _push(self, draft: Draft, effect: Drag | Force | Spring) -> str:
         draft.pushes.append(effect)
@@ -207,11 +212,6 @@ class PyBullet(Configured):
         self._bullet.disconnect(world.client)
 
 
-def _hull_margin(scene: Scene) -> str | None:
-    hulls = [b.name for b in scene.bodies if isinstance(b.shape, Mesh)]
-    return f"convex hulls touch 1 mm early (collision margin): {', '.join(hulls)}" if hulls else None
-
-
 _STEPS = {"dt": TIME_STEPS, "iterations": (10.0, 50.0, 200.0, 1000.0)}
 _EXACT = {
     "restitutionVelocityThreshold = 0": "the default stops every bounce slower than 0.2 m/s",
@@ -223,6 +223,8 @@ _EXACT = {
     "solverResidualThreshold = 0": "the solver may not stop early",
     "numSolverIterations = 200 (knob)": "50 let resting boxes creep by 0.03 to 0.5 mm/s",
     "inertia from the scene": "a capsule's own inertia is that of its bounding box, hulls are 1 to 3 % off",
+    "collisionMargin = 1e-5 m (convex hulls)": "the default makes them 1 mm larger: hulls placed face to face begin in "
+    "overlap and are driven apart at 0.07 m/s",
     "half-space = static box 1 km wide": "on GEOM_PLANE a box gains one contact per step and spins up to 9 rad/s",
 }
 

@@ -15,8 +15,8 @@ import numpy as np
 
 from adapters.engine import Clock, Settings
 from adapters.pushes import Push
-from adapters.translate import from_z, joined, rests_only
-from mechanics.arrays import Quat, Triple
+from adapters.translate import joined, rests_only, shortest
+from mechanics.arrays import Quat, Triple, Vec3
 from mechanics.effects import Effect, Hinge, Resting
 from mechanics.inertia import principal
 from mechanics.rotation import IDENTITY, conjugate, product, rotate, unrotate
@@ -26,6 +26,8 @@ from mechanics.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Sphere, bo
 GROUND = (500.0, 50.0)  # half width and half height of the box that stands for a half-space [m]
 FREE_SPEED = 1e9  # clamp of the multibody solver raised out of reach [m/s, rad/s]
 STIFF = 1e12  # largest force of a hinge [N]: none
+HULL_MARGIN = 1e-5  # by which convex hulls are made larger [m]; without any, shallow contacts count as deep ones
+STOCK_HULL_MARGIN = 1e-3  # what PyBullet makes it [m]
 
 
 @dataclass
@@ -149,6 +151,8 @@ class Builder:
                 settings["contactProcessingThreshold"] = 0.0
             if not self.maximal:
                 settings["maxJointVelocity"] = FREE_SPEED
+            if isinstance(body.shape, Mesh):
+                settings["collisionMargin"] = HULL_MARGIN
         if not body.fixed:
             settings |= self.remedy
             if "ccdSweptSphereRadius" in self.remedy:
@@ -171,11 +175,14 @@ class Builder:
             case Cylinder(radius, length):
                 form = {"shapeType": p.GEOM_CYLINDER, "radius": radius, "height": length}
             case Mesh(vertices):
-                form = {"shapeType": p.GEOM_MESH, "vertices": [list(v) for v in vertices]}
+                # a shape with a frame of its own is a compound, whose margin does not reach the hull inside
+                turned = np.array(vertices) if axes is None else unrotate(axes, np.array(vertices))
+                form, frame = {"shapeType": p.GEOM_MESH, "vertices": turned.tolist()}, {}
             case HalfSpace(normal) if self.stock:
                 form = {"shapeType": p.GEOM_PLANE, "planeNormal": normal}
             case HalfSpace():
-                form = {"shapeType": p.GEOM_BOX, "halfExtents": [GROUND[0], GROUND[0], GROUND[1]]}
+                depth = abs(_face(_upward(body)))
+                form = {"shapeType": p.GEOM_BOX, "halfExtents": np.where(depth, GROUND[1], GROUND[0]).tolist()}
         return p.createCollisionShape(**form, **frame, physicsClientId=client)
 
     def _place(self, world: World, i: int) -> None:
@@ -235,10 +242,23 @@ def _principal_axes(body: Body, turns: bool) -> Quat | None:
 
 
 def _ground_pose(scene: Scene, body: Body) -> tuple[list[float], Quat]:
-    """Pose of the box whose top face lies in the plane of a half-space, under the middle of the moving bodies."""
-    assert isinstance(body.shape, HalfSpace)
-    normal = rotate(np.array(body.orientation), np.array(body.shape.normal))
-    origin = np.array(body.position)
+    """Pose of the box one face of which lies in the plane of a half-space, under the middle of the moving bodies."""
+    normal, origin = _upward(body), np.array(body.position)
     middle = np.mean([scene.bodies[i].position for i in scene.moving] or [origin], axis=0)
     foot = middle - normal * float(normal @ (middle - origin))
-    return (foot - GROUND[1] * normal).tolist(), from_z(normal)
+    return (foot - GROUND[1] * normal).tolist(), shortest(_face(normal), normal)
+
+
+def _upward(body: Body) -> Vec3:
+    """Normal of a half-space in the world frame."""
+    assert isinstance(body.shape, HalfSpace)
+    return rotate(np.array(body.orientation), np.array(body.shape.normal))
+
+
+def _face(normal: Vec3) -> Vec3:
+    """The axis, up or down, closest to `normal`: the face that needs least turning, none at all for walls.
+
+    Bullet's matrix of a turned box is rounded, and balls that strike it squarely leave their line.
+    """
+    axis = int(np.argmax(np.abs(normal)))
+    return np.sign(normal[axis]) * np.eye(3)[axis]
