@@ -1,8 +1,8 @@
 """Forces that joints carry, computed when they are asked for.
 
-With the accelerations known, what the loads and contacts do not account for is the joints': along the basis V of the
-motions they take away their scaled force is V·(x - c - Gᵀ f), and the forces of the rows follow from it.  Where rows
-repeat each other the split among them is not unique, and the smallest is given.
+With the accelerations known, what the loads and contacts do not account for is the joints': their scaled force is the
+part of x - c - Gᵀ f in the motions that they take away, and the forces of the rows follow from it.  Where rows repeat
+each other the split among them is not unique, and the smallest is given.
 """
 
 from __future__ import annotations
@@ -66,8 +66,7 @@ def _of_island(world: World, island: Island, pose: Pose) -> list[JointForce]:
     assert problem.whole is not None
     assert problem.pulled is not None
     acting = problem.pulled + problem.whole.T @ p.force + _scaled(island, problem, pose, world, friction)
-    along = problem.space.basis @ (problem.space.given - acting)
-    return _wrenches(island, pose, problem.space.back @ along)
+    return _wrenches(island, pose, problem.space.forces(problem.space.given - acting))
 
 
 def _scaled(island: Island, problem: Problem, pose: Pose, world: World, force: np.ndarray) -> np.ndarray:

@@ -12,10 +12,9 @@ with J = (n, l_a, -n, -l_b) for a direction n and levers l.  Rows belong to one 
 
 A hinge is three POINT rows and two AXIS rows.  A rod whose anchors coincide holds them together: three POINT rows.
 
-Contacts are put into the motions that joints leave free.  With V an orthonormal basis of what the rows span in
-coordinates scaled by the masses and x₀ the least acceleration that satisfies them, every admissible acceleration is
-x = x₀ + P z with P = 1 - V Vᵀ, so that a contact has the row G P, and its problem the free acceleration x₀ + P c
-(Gauss).  Nothing is squared, and rows that repeat each other (closed loops) do no harm.
+Contacts are put into the motions that joints leave free (`free_motions`).  With P the projection on these and x₀ the
+least acceleration that satisfies the joints, every admissible acceleration is x = x₀ + P z, so that a contact has the
+row G P, and its problem the free acceleration x₀ + P c (Gauss).
 """
 
 from __future__ import annotations
@@ -35,7 +34,6 @@ from reference_impl.parts import Parts
 
 ROD, POINT, AXIS = 0, 1, 2
 WHOLE, REAL = 4, 14
-RANK = 1e-10  # relative singular value below which rows repeat each other
 COINCIDE = 1e-12  # anchors closer than this are at one place [size of the bodies]
 MOVES = 1e-9  # speed at the start at which a joint counts as violated [greatest speed there, or size per second]
 
@@ -50,28 +48,6 @@ class Joints(NamedTuple):
     def chosen(self, which: np.ndarray) -> Joints:
         """The rows selected by a boolean or index array."""
         return Joints(self.kinds[which], self.reals[which], self.size[which])
-
-
-class Rows(NamedTuple):
-    """Where r rows stand and how they move."""
-
-    j: np.ndarray  # (r, 6 bodies) rows J M^-1/2
-    gap: np.ndarray  # (r,) [m], angle for AXIS
-    rate: np.ndarray  # (r,) gap'
-    target: np.ndarray  # (r,) J times acceleration at which gap'' is zero
-
-
-class Space(NamedTuple):
-    """Motions that joints leave free, in scaled coordinates."""
-
-    basis: np.ndarray  # (rank, k) orthonormal: what they take
-    given: np.ndarray  # (k,) least acceleration that satisfies them
-    back: np.ndarray  # (r, rank) forces of the rows from the part of a scaled force along the basis
-
-    def within(self, motions: np.ndarray) -> np.ndarray:
-        """The free part of one motion (k,) or of several (m, k); a second pass takes out what rounding left."""
-        left = motions - (motions @ self.basis.T) @ self.basis
-        return left - (left @ self.basis.T) @ self.basis
 
 
 def all_of(parts: tuple[Joints, ...]) -> Joints:
@@ -171,21 +147,9 @@ def _checked(scene: Scene, effect: Rod | Hinge, parting: np.ndarray, rows: Joint
     return Parts(joints=(rows,))
 
 
-def space(rows: Rows) -> Space:
-    """The motions that the rows leave free."""
-    length = np.sqrt(np.einsum("ij,ij->i", rows.j, rows.j))
-    unit, target = rows.j / length[:, None], rows.target / length
-    if len(unit) == 1:
-        return Space(unit, unit[0] * target[0], np.array([[1.0 / length[0]]]))
-    u, s, vt = np.linalg.svd(unit, full_matrices=False)
-    rank = int((s > RANK * s[0]).sum())
-    u, s, vt = u[:, :rank], s[:rank], vt[:rank]
-    return Space(vt, vt.T @ ((u.T @ target) / s), (u / s) / length[:, None])
-
-
 @kernel
 def joint_rows(kinds, reals, x, rotation, v, w, root, inverse_mass, acceleration, place, j, gap, rate, target):
-    """`Rows` of joints; `place[i]` is the number of body i among the moving ones, or -1."""
+    """`free_motions.Rows` of joints; `place[i]` is the number of body i among the moving ones, or -1."""
     for k in range(len(kinds)):
         a, b = kinds[k, 1], kinds[k, 2]
         n, lever_a, lever_b = np.zeros(3), np.zeros(3), np.zeros(3)

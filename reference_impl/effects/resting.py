@@ -19,7 +19,8 @@ import numpy as np
 from reference_impl.collide.detect import Contacts, Kinematics
 from reference_impl.collide.features import all_kinematics, rows
 from reference_impl.contact_problem import Kept, NoSolution, solve
-from reference_impl.effects.joint import Rows, Space, joint_rows, space
+from reference_impl.effects.free_motions import Rows, Space, space
+from reference_impl.effects.joint import joint_rows
 from reference_impl.effects.spring import pull
 from reference_impl.kernels import apply, apply_transposed, cross, dot, kernel, matrix, spin, turned
 from reference_impl.state import Bodies, Motion
@@ -92,7 +93,7 @@ class Problem(NamedTuple):
 
     def confined(self, rows: Rows) -> Problem:
         """The same contacts where joints with these rows hold the bodies."""
-        s = space(rows)
+        s = space(rows.j, rows.target)
         return self._replace(
             g=s.within(self.g) if len(self.g) else self.g,
             free=s.given + s.within(self.free),
@@ -227,8 +228,8 @@ class Island:
             if not left < 0.5 * worst:
                 break
             worst = left
-            self.move(motion, b, pose, nearest(rows.j, -rows.gap))
-        self.change(motion, b, pose, nearest(rows.j, -rows.rate))
+            self.move(motion, b, pose, space(rows.j, -rows.gap).given)
+        self.change(motion, b, pose, space(rows.j, -rows.rate).given)
         return left
 
     def move(self, motion: Motion, b: Bodies, pose: Pose, y: np.ndarray) -> None:
