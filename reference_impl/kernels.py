@@ -16,6 +16,7 @@ import hashlib
 import math
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
@@ -23,6 +24,7 @@ import numpy as np
 from numba import njit, types
 from numba.core import config
 from numba.core.caching import FunctionCache
+from numba.core.runtime import rtsys
 from numba.core.typing.typeof import typeof_impl
 
 
@@ -51,13 +53,12 @@ class Kernel:
     @functools.cached_property
     def compiled(self) -> Callable[..., Any]:
         """Numba's dispatcher of the function."""
-        _loaded_without_blas()
         # nobody calls kernels from C: the wrapper for that would be a twentieth of the time to compile
         dispatcher = njit(
             error_model="numpy", forceinline=self.within, no_cfunc_wrapper=True, _nrt=not self.lean
         )(self.function)  # fmt: skip
         dispatcher.get_call_template = functools.partial(_for_any_constant, dispatcher.get_call_template)
-        dispatcher._cache = FunctionCache(self.function)
+        dispatcher._cache = Kept(self.function)
         dispatcher._cache._cache_file._source_stamp = self.stamp()
         return dispatcher
 
@@ -77,23 +78,40 @@ class Kernel:
         return digest.hexdigest()
 
 
-@functools.cache
-def _loaded_without_blas() -> None:
-    """Make numba ready to load compiled code, without what it would need to compile products of matrices.
+class Kept(FunctionCache):
+    """Compiled code on disk, which is loaded without making numba ready to compile.
 
-    It looks whether there is a BLAS by importing scipy.linalg, which is a third of the time to the first step; no
-    kernel multiplies matrices by it, and other users of numba in this process still get theirs.
+    Getting ready takes longer than loading does, and loaded code needs none of it but the memory of its arrays.
     """
-    from numba.core.registry import cpu_target
 
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """What numba keeps for the signature; None if it must be compiled."""
+        with _no_blas(), self._guard_against_spurious_io_errors():
+            rtsys.initialize(target_context)
+            found = self._load_overload(sig, target_context)
+            if found is None:
+                target_context.refresh()
+            return found
+        return None  # where the guard has swallowed an exception
+
+
+@contextmanager
+def _no_blas() -> Iterator[None]:
+    """Let numba not look for a BLAS within.
+
+    It does so by importing scipy.linalg, which takes as long as loading all kernels of a scene.  A kernel that
+    needs one has it imported when it runs; other users of numba in this process still get theirs.
+    """
     if "scipy.linalg.cython_blas" in sys.modules or "numba.np.arraymath" in sys.modules:
+        yield
         return
     sys.modules["scipy.linalg.cython_blas"] = None  # type: ignore[assignment]  # "there is none"
     try:
-        cpu_target.target_context.refresh()
+        yield
     finally:
         del sys.modules["scipy.linalg.cython_blas"]
-    sys.modules["numba.np.arraymath"]._HAVE_BLAS = True  # type: ignore[attr-defined]
+        if "numba.np.arraymath" in sys.modules:
+            sys.modules["numba.np.arraymath"]._HAVE_BLAS = True  # type: ignore[attr-defined]
 
 
 kernel: Callable[[Any], Any] = (lambda function: function) if config.DISABLE_JIT else Kernel

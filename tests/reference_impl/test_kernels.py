@@ -1,6 +1,8 @@
 """Compiled code is kept exactly as long as nothing it depends on has changed."""
 
 import math
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -86,3 +88,17 @@ def test_products_of_matrices_still_compile_in_the_same_process():
     matrix(np.array([1.0, 0.0, 0.0, 0.0]))
     product = njit(lambda a, b: a @ b)
     assert np.array_equal(product(np.eye(2), np.full((2, 2), 3.0)), np.full((2, 2), 3.0))
+
+
+@compiled
+def test_loading_does_not_make_ready_to_compile():
+    """A process that finds its kernels on disk does without what numba would compile with."""
+    program = (
+        "import sys, numpy as np\n"
+        "from reference_impl.kernels import apply, turned\n"
+        "print(apply(np.eye(3), np.ones(3)), turned(np.array((1.0, 0.0, 0.0, 0.0)), np.zeros(3)))\n"
+        "print('numba.np.linalg' in sys.modules, 'scipy.linalg' in sys.modules)\n"
+    )
+    said = [subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True).stdout
+            for _ in range(2)]  # the first may have to compile them  # fmt: skip
+    assert said[1] == "[1. 1. 1.] [1. 0. 0. 0.]\nFalse False\n"
