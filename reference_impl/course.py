@@ -126,6 +126,11 @@ class Course:
         """State at time t of the step, by the motion itself and not by its polynomials, and the rates on the way."""
         return self._carried(self.begin, self.y, self.stages[0], t, HALVINGS)
 
+    def tried(self, t: float) -> tuple[np.ndarray, np.ndarray] | None:
+        """As `carried`, in one step; None if that is not found."""
+        out = self._carried(self.begin, self.y, self.stages[0], t, 0)
+        return out if self.method.converged else None
+
     def _carried(
         self, begin: float, y: np.ndarray, first: np.ndarray, t: float, halvings: int
     ) -> tuple[np.ndarray, np.ndarray]:

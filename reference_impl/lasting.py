@@ -15,7 +15,7 @@ import numpy as np
 from reference_impl.collide.detect import Contacts, kinematics, rotations
 from reference_impl.contact_problem import NoSolution
 from reference_impl.course import Course
-from reference_impl.effects.resting import Pose
+from reference_impl.effects.resting import Pose, Push
 from reference_impl.errors import Stalled
 from reference_impl.flight import where
 from reference_impl.rough import jam
@@ -28,6 +28,7 @@ BRINK = 1e-7  # time before forces cease to exist at which impulses take over [t
 SHORT = 1e-3  # of a step, that is left for another one where a slip that turns comes to its end
 STANDING = 1e-15  # slip at which a contact has stopped [speed scale]
 ULPS = 1e-15  # change of a gap that is the rounding of the coordinates
+LOST = 4  # implicit steps towards the end of a slip that are not found, before one ends where the last was
 CUTS = 60  # of one step, before the polynomials are taken for the motion
 LOOKS = 16  # within one step, for contacts that leave their features and return
 BEYOND = 0.01  # how far past a meeting polynomials are laid anew, which makes them 1e6 times as good there [step]
@@ -164,19 +165,28 @@ def _reversal(world: World, course: Course) -> tuple[float, np.ndarray, np.ndarr
     low, high = course.begin, course.end
     stop, new, stages = course.end, course.new, course.stages
     above, below = course.slip(low, course.y), course.slip(high, new)
-    side = 0
+    side, lost = 0, 0
+    before: tuple[float, np.ndarray, np.ndarray, Push] | None = None
     for _ in range(80):
         t = (low * below - high * above) / (below - above)
         if not low < t < high:
             t = 0.5 * (low + high)
         if t in (low, high):
             break
-        new, stages = course.carried(t)
+        way = course.tried(t) if lost < LOST else course.carried(t)
+        if way is None:  # too close to the stop, or past it, where friction has no direction that it could keep
+            lost += 1
+            if lost == LOST and before is not None:
+                stop, new, stages, course.push = before
+                return stop, new, stages
+            high, below, side = t, -above, 0
+            continue
+        new, stages = way
         stop, value = t, course.slip(t, new)
         if abs(value) <= STANDING * world.scales.speed:
             break
         if value > 0.0:
-            low, above = t, value
+            low, above, before = t, value, (t, new, stages, course.push)
             below = 0.5 * below if side == 1 else below
             side = 1
         else:
@@ -184,9 +194,9 @@ def _reversal(world: World, course: Course) -> tuple[float, np.ndarray, np.ndarr
             above = 0.5 * above if side == -1 else above
             side = -1
     push, early = course.push, stop - SHORT * (stop - course.begin)
-    before, rates = course.carried(early)
-    if course.turns(early, before):
-        return early, before, rates
+    earlier, rates = course.carried(early)
+    if course.turns(early, earlier):
+        return early, earlier, rates
     course.push = push
     return stop, new, stages
 
