@@ -100,7 +100,7 @@ class Flock:
             extent = np.maximum(np.ptp(world.motion.x[inside], axis=0), widest)
             # rounding must not let two that touch be two cells apart
             self.cell = max(1.0001 * widest, ROOMY * float(np.prod(extent) / inside.sum()) ** (1.0 / 3.0))
-            edges = np.maximum(2 ** np.ceil(np.log2(extent / self.cell)).astype(np.int64), FEWEST)
+            edges = 2 ** np.ceil(np.log2(np.maximum(extent / self.cell, FEWEST))).astype(np.int64)
             while edges.prod() > CELLS * n and edges.max() > FEWEST:
                 edges[np.argmax(edges)] //= 2
         else:

@@ -233,6 +233,14 @@ def test_a_floor_that_rises_is_met_where_it_is(motion, count, bound):
     assert_same(with_loop, without, bound)
 
 
+def test_many_balls_in_one_row_far_apart():
+    """The row is much thinner than the room a ball has; each bounces on its own."""
+    row = [Body(f"ball {k}", Sphere(0.1), 1.0, (30.0 * k, 0.0, 0.6 + 0.001 * k)) for k in range(30)]
+    with_loop, without = both(Scene((Body("floor", HalfSpace()), *row), (Gravity(), Restitution(0.8))), 0.5)
+    assert len(with_loop.events) == 30
+    assert_same(with_loop, without, 1e-13)
+
+
 def test_a_state_is_the_same_whenever_it_is_asked_for():
     """Bodies in flight wait until someone looks; looking twice, or not until the end, changes no bit."""
     scene = Scene((*room(1.4), *balls(30, 23, 1.4, spin=3.0)), (Restitution(0.95), Gravity(), Rotation()))
