@@ -37,6 +37,7 @@ GOOD = 1e-12  # certificate at which the search ends
 USABLE = 1e-9  # certificate above which an answer is refused, unless a coarser one is asked for
 QUICK = 300  # sweeps up to which solvers go on for a good certificate even if a coarser one is enough
 SWEEPS = (30, 300, 3_000, 20_000)  # of non-smooth Gauss-Seidel, each followed by Newton's method
+TURNS = 40  # of the directions of slip that follow from the most even split of the load, until they agree with it
 MODELS = ("exact", "pyramid", "convex")
 
 
@@ -152,9 +153,12 @@ def _searched(
     """The best answer; where contacts slide, with the most even split of the load (see `friction_hold.hold`)."""
     best = _portfolio(p, convex, guess, enough)
     if p.slides.any() and best[3] != "guess" and best[2] <= USABLE:
-        even = _held(p, *_modes(p, best[0]))
-        if even is not None:
-            value = residual(p, even[0], convex)
+        r = best[0]
+        for _ in range(TURNS):  # a contact that begins to slide takes its direction from the split
+            even = _held(p, *_modes(p, r))
+            if even is None:
+                break
+            r, value = even[0], residual(p, even[0], convex)
             if value <= GOOD:
                 return (*even, value, best[3])
     return best

@@ -123,3 +123,17 @@ def test_sliding_without_possible_forces_is_said_so():
 def test_unknown_models_are_named(choice, match):
     with pytest.raises(ValueError, match=match):
         solve(block((1.0, 0.0, -1.0), 0.5), **choice)
+
+
+def test_where_one_of_redundant_contacts_begins_to_slide_the_split_does_not_depend_on_the_guess():
+    ways, rows = np.array(((1.0, 0.2), (1.0, 0.0), (0.5, 0.9), (0.1, 1.0))), []
+    for (x, y), way in zip(((-1, -1), (-1, 1), (1, -1), (1, 1)), ways, strict=True):
+        along = np.array((*way, 0.0)) / np.hypot(*way)
+        tangents = along, np.array((-along[1], along[0], 0.0))
+        rows += [np.concatenate([t, np.cross((x, y, -1.0), t)]) for t in ((0.0, 0.0, 1.0), *tangents)]
+    free, slides = np.array((6.0, 2.0, -9.81, 0.1, 0.2, 1.0)), np.array((True, False, True, True))
+    problem = Rough(np.array(rows), free, np.zeros(12), np.full(4, 0.3), slides)
+    one, other = solve(problem), solve(problem, guess=np.full(4, 2))
+    assert max(one.residual, other.residual) <= 1e-12
+    np.testing.assert_allclose(one.x, other.x, rtol=0.0, atol=1e-10)
+    np.testing.assert_allclose(one.r[:, 0], other.r[:, 0], rtol=0.0, atol=1e-9)
