@@ -1,14 +1,15 @@
 """Failures whose cause is on record: a measured reason turns `fail` into `xfail`, and a cured one into `xpass`.
 
 The record is `known.toml` beside this file, one table per known property.  `*` and `?` match in
-engine, scenario and quantity; every other character, brackets included, stands for itself.
+engine, scenario and quantity; every other character, brackets included, stands for itself.  Several
+scenarios of one cause are a list.
 """
 
 from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
@@ -22,8 +23,10 @@ class Known:
 
     Attributes
     ----------
-    engine, scenario, quantity : str
+    engine, quantity : str
         Patterns.
+    scenario : str or sequence of str
+        Pattern, or several.
     reason : str
         What was found to cause it.
     source : str
@@ -35,7 +38,7 @@ class Known:
     """
 
     engine: str
-    scenario: str
+    scenario: str | Sequence[str]
     reason: str
     source: str
     version: str
@@ -46,14 +49,18 @@ class Known:
         """Whether this record speaks of the engine, version and scenario of `cell`."""
         return (
             _matches(self.engine, cell.engine)
-            and _matches(self.scenario, cell.scenario)
+            and any(_matches(scenario, cell.scenario) for scenario in self._scenarios)
             and cell.engine_version == self.version
         )
 
     @property
     def definite(self) -> bool:
         """Whether it names one cell, so that passing it is news."""
-        return not any(sign in self.engine + self.scenario for sign in "*?")
+        return len(self._scenarios) == 1 and not any(sign in self.engine + self._scenarios[0] for sign in "*?")
+
+    @property
+    def _scenarios(self) -> tuple[str, ...]:
+        return (self.scenario,) if isinstance(self.scenario, str) else tuple(self.scenario)
 
 
 def explain(cell: Cell, records: Iterable[Known] | None = None) -> Cell:

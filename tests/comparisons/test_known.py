@@ -37,6 +37,14 @@ def test_a_record_of_something_else_is_silent(change):
     assert explain(CELL, [replace(RECORD, **change)]) == CELL
 
 
+def test_a_record_of_several_scenarios_speaks_of_each_and_names_none():
+    several = replace(RECORD, scenario=("cube*", "ball[e=0.5]"), engine="pybullet:stock")
+    assert explain(CELL, [several]).state == "xfail"
+    assert explain(replace(CELL, scenario="cube[a=1]"), [several]).state == "xfail"
+    assert explain(replace(CELL, scenario="ball[e=0.6]"), [several]).state == "fail"
+    assert explain(replace(CELL, state="ok", measurements=()), [several]).state == "ok"
+
+
 def test_one_unexplained_quantity_keeps_the_failure():
     worse = replace(CELL, measurements=(*CELL.measurements, measured("c error", "fail")))
     assert explain(worse, [RECORD]).state == "fail"
