@@ -142,6 +142,15 @@ class Course:
         new, two = self._carried(middle, half, one[-1], t, halvings - 1)
         return new, np.concatenate([one, two])
 
+    def halved(self, end: float, new: np.ndarray, first: np.ndarray, scale: np.ndarray) -> float:
+        """Distance of the state `new` at `end` from what two steps of half the length come to, over `scale`."""
+        kept = self.states, self.friction, self.kept, self.push
+        middle = 0.5 * (self.begin + end)
+        half, stages = self._carried(self.begin, self.y, first, middle, 0)
+        twice, _ = self._carried(middle, half, stages[-1], end, 0)
+        self.states, self.friction, self.kept, self.push = kept
+        return float((np.abs(new - twice) / scale).max())
+
     def choose(self, h: float, first: np.ndarray, force: np.ndarray) -> None:
         """Take the method that suits a step of h [s], from the rates `first` and the contact forces at its begin."""
         if self.grip is None:

@@ -91,8 +91,21 @@ class Kept(FunctionCache):
             found = self._load_overload(sig, target_context)
             if found is None:
                 target_context.refresh()
+            else:
+                for environment in (found.environment, *found.referenced_envs):
+                    environment.consts[:] = [_the_one(value) for value in environment.consts]
             return found
         return None  # where the guard has swallowed an exception
+
+
+def _the_one(value: object) -> object:
+    """The one object that numpy has for a plain type of numbers, of which pickling makes copies.
+
+    Compiled code finds its constants by their place in a list, and numba looks by identity whether one is there
+    already.  Where a function is compiled in a process that has loaded one that calls it, a copy gave it a second
+    place, which the list of a third process lacks.
+    """
+    return np.dtype(value.str) if isinstance(value, np.dtype) and value.fields is None else value
 
 
 @contextmanager

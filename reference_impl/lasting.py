@@ -67,6 +67,9 @@ def _step(world: World, course: Course, limit: float) -> None:
             course.choose(end - start, first, pressing)
             new, stages = course.method.step(course, start, y, end - start, first)
             error = course.method.error(stages, end - start, scale)
+            if error <= 1.0 and ((course.push.force > 0.0) != (pressing > 0.0)).any():
+                # the rates have a kink, of which the estimate knows little
+                error = max(error, course.halved(end, new, first, scale))
             if error <= 1.0:
                 course.lay(end, new, stages)
                 stop = _own_end(world, course)

@@ -14,7 +14,7 @@ import numpy as np
 from reference_impl import audit, lasting
 from reference_impl.collide.detect import Contacts
 from reference_impl.collisions import alone, collide
-from reference_impl.contact_problem import NoSolution
+from reference_impl.contact_problem import NoSolution, solve
 from reference_impl.course import Course
 from reference_impl.effects.resting import Island, Pose, Problem, Push, islands, nearest, push, rounding
 from reference_impl.errors import MissingEffect, Stalled
@@ -178,12 +178,30 @@ def _record(
 
 
 def _stop_parting(world: World, island: Island) -> None:
-    """Take the last trace of normal velocity out of lasting contacts; the nearest such motion has less energy."""
+    """Take the last trace of normal velocity out of lasting contacts; the nearest such motion has less energy.
+
+    Not out of contacts that have just ceased to push: their slow parting is the begin of a flight.
+    """
     pose = Pose.now(world.motion, world.bodies)
     problem = island.problem(pose, world.bodies)
     fastest = max(float(np.abs(pose.v[island.bodies]).max()), world.scales.speed)
-    if np.abs(problem.k.rate).max(initial=0.0) > ULPS * fastest:
-        island.change(world.motion, world.bodies, pose, nearest(problem.g, -problem.k.rate))
+    rate = problem.k.rate
+    stays = ~((rate > ULPS * fastest) & _leaving(world, island, problem))
+    if np.abs(rate[stays]).max(initial=0.0) > ULPS * fastest:
+        island.change(world.motion, world.bodies, pose, nearest(problem.g, np.where(stays, -rate, 0.0)))
+
+
+def _leaving(world: World, island: Island, problem: Problem) -> np.ndarray:
+    """Which contacts open without a push; of several with friction none is known to."""
+    opens = problem.closing(np.zeros(len(problem.g), dtype=bool)) < 0.0
+    if not opens.any() or len(opens) == 1:
+        return opens
+    if world.mu[island.contacts.pairs].any():
+        return np.zeros_like(opens)
+    try:
+        return opens & (solve(problem.g, problem.free, problem.least).f == 0.0)
+    except NoSolution:
+        return np.zeros_like(opens)
 
 
 def _require_resting(world: World, island: Island, force: np.ndarray) -> None:

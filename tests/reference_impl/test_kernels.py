@@ -102,3 +102,33 @@ def test_loading_does_not_make_ready_to_compile():
     said = [subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True).stdout
             for _ in range(2)]  # the first may have to compile them  # fmt: skip
     assert said[1] == "[1. 1. 1.] [1. 0. 0. 0.]\nFalse False\n"
+
+
+@compiled
+@pytest.mark.parametrize("before", [0, 1, 2])
+def test_what_is_compiled_beside_a_loaded_caller_can_be_loaded_without(tmp_path, before):
+    """Processes that compile at once lose entries of each other's lists of what is kept, as is done here by hand.
+
+    Numba tells functions of a process apart by their number: that of the function compiled anew depends on what was
+    compiled before.
+    """
+    (tmp_path / "pair_of_kernels.py").write_text(
+        "from reference_impl.kernels import kernel\n\n"
+        "@kernel\ndef twice(x):\n    return 2.0 * x\n\n"
+        "@kernel\ndef fourfold(x):\n    return twice(twice(x))\n"
+    )
+    program = (
+        f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n"
+        "import numpy as np\n"
+        "from numba import njit\n"
+        "from pair_of_kernels import fourfold, twice\n"
+        "for _ in range(int(sys.argv[1])):\n    njit(lambda x: x)(1.0)\n"
+        "print(fourfold(np.ones(2)), twice(np.ones(2)))\n"
+    )
+    for turn in range(3):
+        words = [sys.executable, "-c", program, str(before if turn == 1 else 0)]
+        done = subprocess.run(words, check=False, capture_output=True, text=True)
+        assert done.stdout == "[4. 4.] [2. 2.]\n", done.stderr
+        if turn == 0:
+            (kept,) = (tmp_path / "__pycache__").glob("*twice*.nbi")
+            kept.unlink()
