@@ -256,6 +256,7 @@ def begin_at(bodies, end):
     """Flight of the bodies alone, which goes on through each other, up to `end`."""
     world = begin(Scene(bodies, (Rotation(),)))
     advance(world, end)
+    world.arrive()
     return world.motion
 
 
