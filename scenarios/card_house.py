@@ -8,7 +8,7 @@ from mechanics.effects import Friction, Gravity, Resting, Rotation
 from mechanics.rotation import about
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Capsule, HalfSpace
-from scenarios.resting import still, still_checks
+from scenarios.resting import standing
 from scenarios.scenario import Scenario, scenario
 from scenarios.tolerance import GRAVITY
 
@@ -45,12 +45,7 @@ def card_house(angle: float = 25.0, mu: float = 0.24) -> Scenario:
         turned = tuple(about((0.0, 1.0, 0.0), -side * lean).tolist())
         cards.append(Body(name, Capsule(RADIUS, LENGTH), MASS, place, turned, inertia=(moment, moment, moment)))
     scene = Scene((Body("table", HalfSpace()), *cards), (Gravity(), Friction(mu), Resting(), Rotation()))
-    return Scenario(
-        scene=scene,
-        duration=2.0,
-        sampling=0.02,
-        truth=still(scene),
-        checks=still_checks(2),
+    return standing(
+        scene, 2, about=(Gravity, Friction, Resting, Rotation),
         source="stands if µ >= ½ tan φ (thin cards); Heyman, The Stone Skeleton (1995)",
-        about=(Gravity, Friction, Resting, Rotation),
-    )
+    )  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 from mechanics.effects import Force, Friction, Gravity, Resting
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
-from scenarios.resting import still, still_checks
+from scenarios.resting import standing
 from scenarios.scenario import Scenario, scenario
 
 EDGE, HEIGHT, MASS, JAW, MU = 0.5, 1.0, 1.0, 2.0, 0.5  # block [m], its height and the jaw's [m], [kg], [kg]
@@ -33,12 +33,7 @@ def held_in_a_vice(squeeze: float = 10.5) -> Scenario:
     surfaces = (Body("floor", HalfSpace()), Body("wall", HalfSpace((1.0, 0.0, 0.0))))
     friction = Friction(MU, {("floor", "block"): 0.0, ("floor", "jaw"): 0.0})
     scene = Scene((*surfaces, block, jaw), (Gravity(), friction, Resting(), Force("jaw", (-squeeze, 0.0, 0.0))))
-    return Scenario(
-        scene=scene,
-        duration=2.0,
-        sampling=0.02,
-        truth=still(scene),
-        checks=still_checks(2),
+    return standing(
+        scene, 2, about=(Gravity, Friction, Resting, Force),
         source="holds if 2 µ s >= m g; the shares of the two faces are not unique (Baraff, Algorithmica 10 (1993) 292)",
-        about=(Gravity, Friction, Resting, Force),
-    )
+    )  # fmt: skip

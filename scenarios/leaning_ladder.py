@@ -8,7 +8,7 @@ from mechanics.effects import Friction, Gravity, Resting, Rotation
 from mechanics.rotation import about
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Capsule, HalfSpace
-from scenarios.resting import still, still_checks
+from scenarios.resting import standing
 from scenarios.scenario import Scenario, scenario
 from scenarios.tolerance import GRAVITY
 
@@ -48,12 +48,7 @@ def leaning_ladder(angle: float = 52.0, mu: float = 0.4) -> Scenario:
     surfaces = (Body("floor", HalfSpace()), Body("wall", HalfSpace((1.0, 0.0, 0.0))))
     friction = Friction(mu, {("ladder", "wall"): 0.0})
     scene = Scene((*surfaces, ladder), (Gravity(), friction, Resting(), Rotation()))
-    return Scenario(
-        scene=scene,
-        duration=2.0,
-        sampling=0.02,
-        truth=still(scene),
-        checks=still_checks(1),
+    return standing(
+        scene, 1, about=(Gravity, Friction, Resting, Rotation),
         source="stands if tan θ >= 1/(2 µ) on a smooth wall; Meriam and Kraige, Statics",
-        about=(Gravity, Friction, Resting, Rotation),
-    )
+    )  # fmt: skip

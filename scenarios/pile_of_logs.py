@@ -7,7 +7,7 @@ import math
 from mechanics.effects import Friction, Gravity, Resting, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import HalfSpace, Sphere
-from scenarios.resting import still, still_checks
+from scenarios.resting import standing
 from scenarios.scenario import Scenario, scenario
 
 RADIUS = 0.25  # [m]; a binary fraction: the lower ones touch bit by bit
@@ -40,12 +40,7 @@ def pile_of_logs(between: float = 0.28, floor: float = 0.095) -> Scenario:
     top = Body("top", Sphere(RADIUS), 1.0, (0.0, 0.0, RADIUS * (1.0 + math.sqrt(3.0))))
     friction = Friction(between, {("ground", name): floor for name in ("left", "right", "top")})
     scene = Scene((Body("ground", HalfSpace()), *lower, top), (Gravity(), friction, Resting(), Rotation()))
-    return Scenario(
-        scene=scene,
-        duration=2.0,
-        sampling=0.02,
-        truth=still(scene),
-        checks=still_checks(2),
+    return standing(
+        scene, 2, about=(Gravity, Friction, Resting, Rotation),
         source="stands if µ >= tan 15° between the logs and tan 15°/3 on the floor; Lamb, Statics",
-        about=(Gravity, Friction, Resting, Rotation),
-    )
+    )  # fmt: skip

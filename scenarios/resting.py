@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechanics.effects import Friction, Gravity, Resting, Rotation
+from mechanics.effects import Effect, Friction, Gravity, Resting, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
 from mechanics.trajectory import Trajectory
@@ -33,6 +33,19 @@ def still_checks(contacts: int) -> tuple[Check, ...]:
         first_order("drift", sink, "m", f"10 g h² at each of {contacts} contact(s): gravity moves g h² in a step"),
         first_order("rest speed", 2.0 * GRAVITY * STEP, "m/s", "2 g h: a step's fall of a centre, and as much in spin"),
         first_order("penetration", sink, "m", f"10 g h² at each of {contacts} contact(s)"),
+    )
+
+
+def standing(scene: Scene, contacts: int, *, about: tuple[type[Effect], ...], source: str) -> Scenario:
+    """A scene in which nothing must happen for two seconds; `contacts` as in `still_checks`."""
+    return Scenario(
+        scene=scene,
+        duration=2.0,
+        sampling=0.02,
+        truth=still(scene),
+        checks=still_checks(contacts),
+        source=source,
+        about=about,
     )
 
 

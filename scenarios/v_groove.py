@@ -7,7 +7,7 @@ import math
 from mechanics.effects import Friction, Gravity, Resting, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import HalfSpace, Sphere
-from scenarios.resting import still, still_checks
+from scenarios.resting import standing
 from scenarios.scenario import Scenario, scenario
 from scenarios.tolerance import GRAVITY
 
@@ -42,15 +42,10 @@ def v_groove(left: float = 35.0, right: float = 60.0) -> Scenario:
     turn = math.sin(a + b)
     place = (RADIUS * (math.cos(b) - math.cos(a)) / turn, 0.0, RADIUS * (math.sin(a) + math.sin(b)) / turn)
     scene = Scene((*sides, Body("ball", Sphere(RADIUS), 4.0, place)), (Gravity(), Resting()))
-    return Scenario(
-        scene=scene,
-        duration=2.0,
-        sampling=0.02,
-        truth=still(scene),
-        checks=still_checks(1),
+    return standing(
+        scene, 1, about=(Gravity, Resting),
         source="statics: N = m g sin β/sin (α + β) on the side inclined by α",
-        about=(Gravity, Resting),
-    )
+    )  # fmt: skip
 
 
 def pile_thresholds() -> tuple[float, float]:
@@ -79,12 +74,7 @@ def pile_of_balls(between: float = 0.34, floor: float = 0.09) -> Scenario:
     top = Body("top", Sphere(RADIUS), 1.0, (0.0, 0.0, RADIUS + 2.0 * RADIUS * math.sqrt(2.0 / 3.0)))
     friction = Friction(between, {("ground", b.name): floor for b in (*balls, top)})
     scene = Scene((Body("ground", HalfSpace()), *balls, top), (Gravity(), friction, Resting(), Rotation()))
-    return Scenario(
-        scene=scene,
-        duration=2.0,
-        sampling=0.02,
-        truth=still(scene),
-        checks=still_checks(2),
+    return standing(
+        scene, 2, about=(Gravity, Friction, Resting, Rotation),
         source="statics: each contact's force lies in its cone of friction; Lamb, Statics",
-        about=(Gravity, Friction, Resting, Rotation),
-    )
+    )  # fmt: skip
