@@ -14,7 +14,9 @@ import pytest
 
 import reports
 from adapters.archive import ArchiveError
-from reports.page import data_hash, page
+from reports.method import data_hash
+from reports.page import page
+from reports.sections import SECTIONS
 from reports.series import declared_restitution, time_series
 from reports.verdict import anchor, mark, sentence
 
@@ -148,7 +150,7 @@ def test_there_is_a_way_past_the_header_and_a_language(document):
 
 
 def test_sections_are_there_and_named_by_their_headings(document):
-    wanted = ["verdicts", "cost", "balance", "motion", "findings", "cells", "method"]
+    wanted = ["verdicts", "cost", "motion", "balance", "findings", "cells", "method"]
     sections = [a["id"] for a in document.of("section") if a.get("id")]
     assert sections == wanted
     headings = {a.get("id") for tag in ("h1", "h2") for a in document.of(tag)}
@@ -223,3 +225,11 @@ def test_synchronised_energy_of_a_stepping_engine_is_level(campaign, traces, fal
 def test_an_empty_campaign_makes_a_page(campaign):
     empty = replace(campaign, cells=(), scenarios={}, engines={})
     assert Document(page(empty)).faults == []
+
+
+def test_every_template_is_a_section_and_every_section_has_one():
+    from importlib.resources import files
+
+    templates = {p.name for p in (files("reports") / "assets" / "sections").iterdir()}
+    assert templates == {"macros.html", *(f"{section.name}.html" for section in SECTIONS)}
+    assert len({a.name for a in SECTIONS}) == len(SECTIONS)

@@ -1,0 +1,70 @@
+"""What the sections of the page are made from, and engines as the page names them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from comparisons.cell import Campaign
+from reports.drawing import marker_shape
+from reports.ladders import without_ladders
+from reports.matrix import Matrix, matrix
+from reports.palette import base, profile, slug
+from reports.series import Curves
+from reports.verdict import engines
+
+
+@dataclass(frozen=True)
+class EngineView:
+    """An engine as the page names it: marker, name and profile, always in its colour."""
+
+    name: str
+    slug: str
+    base: str
+    profile: str
+    icon: str
+    version: str
+
+
+@dataclass(frozen=True)
+class Content:
+    """What every section of a page is made from.
+
+    Attributes
+    ----------
+    campaign : Campaign
+    curves : sequence of Curves
+        What to show over time, as made by `reports.series.time_series`.
+    undrawn : int
+        Number of scenarios with a recorded motion that are not among them.
+    asked : mapping
+        Scenario -> coefficient of restitution it declares.
+    """
+
+    campaign: Campaign
+    curves: Sequence[Curves] = ()
+    undrawn: int = 0
+    asked: Mapping[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def suite(self) -> Campaign:
+        """The campaign without the cells that were only steps on a ladder."""
+        return without_ladders(self.campaign)
+
+    @cached_property
+    def matrix(self) -> Matrix:
+        """The verdict matrix of the suite."""
+        return matrix(self.suite)
+
+    @cached_property
+    def engines(self) -> dict[str, EngineView]:
+        """Engine -> how the page names it, in the order of every table."""
+        return {e: _view(self.campaign, e) for e in engines(self.campaign)}
+
+
+def _view(campaign: Campaign, engine: str) -> EngineView:
+    version = next((c.engine_version for c in campaign.cells if c.engine == engine and c.engine_version), "")
+    version = version or str(campaign.engines.get(engine, {}).get("version", ""))
+    icon = f'<svg class="fig icon" viewBox="0 0 14 14" aria-hidden="true">{marker_shape(engine, 7.0, 7.0)}</svg>'
+    return EngineView(engine, slug(engine), base(engine), profile(engine), icon, version)
