@@ -11,9 +11,10 @@ import math
 import statistics
 import time
 import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -216,29 +217,61 @@ def run(
     times = checked_times(times)
     chosen = checked_settings(engine, settings)
     ahead = lead(engine, settled(engine, chosen, scene))
-    once = Run(engine.name, engine.version, dict(chosen), Failure("error", "build", 0.0, ""), lead=ahead)
-    first, wall, cpu = _attempt(engine, scene, times, chosen, once)
-    if repeats > 1 and sum(wall) > LONG:
-        first, repeats = replace(first, notes=(*first.notes, f"run once, not timed: {sum(wall) * 1e-9:.0f} s")), 1
-    if repeats <= 1 or not isinstance(first.outcome, Trajectory):
-        return _timed(first, [wall], [cpu], [first]) if wall else first
-    attempts = [_attempt(engine, scene, times, chosen, once) for _ in range(repeats)]
-    broken = next((a[0] for a in attempts if not isinstance(a[0].outcome, Trajectory)), None)
-    if broken is not None:
-        return broken
-    return _timed(first, [a[1] for a in attempts], [a[2] for a in attempts], [a[0] for a in attempts])
+    blank = Run(engine.name, engine.version, dict(chosen), Failure("error", "build", 0.0, ""), lead=ahead)
+    return in_turns([partial(_attempt, engine, scene, times, chosen, blank)], repeats)[0]
 
 
-def _timed(run: Run, wall: list[list[int]], cpu: list[int], runs: list[Run]) -> Run:
-    digests = tuple(r.trajectory.digest() for r in runs if r.trajectory is not None)
-    timing = Timing(np.array(wall, dtype=np.int64), np.array(cpu, dtype=np.int64), digests)
-    return Run(**{**run.__dict__, "timing": timing})
+def in_turns(cells: Sequence[Callable[[], Run]], repeats: int = 1) -> list[Run]:
+    """Runs of several cells in one sitting; with more than one repeat they are timed in turns, A B B A.
+
+    Whatever slows the machine down for a while then slows all of them, and none is favoured by its place.  Everything
+    runs once first: that is the motion that is kept, and it warms up.  What broke in it, or took longer than `LONG`, is
+    not run again.
+
+    Parameters
+    ----------
+    cells : sequence of functions
+        Each runs its cell once; the timing of what it returns has one row.
+    repeats : int
+    """
+    first = [cell() for cell in cells]
+    if repeats <= 1:
+        return first
+    timed: dict[int, list[Run]] = {k: [] for k, run in enumerate(first) if _is_short(run)}
+    for turn in range(repeats):
+        for k in sorted(timed, reverse=turn % 2 == 0):
+            if not timed[k] or _is_whole(timed[k][-1]):  # after a run that broke none is risked
+                run = cells[k]()  # of what ended well the motion is there already
+                timed[k].append(replace(run, outcome=first[k].outcome) if _is_whole(run) else run)
+    return [_timed(run, timed[k]) if k in timed else _untimed(run) for k, run in enumerate(first)]
 
 
-def _attempt(
-    engine: Engine, scene: Scene, times: np.ndarray, settings: Settings, blank: Run
-) -> tuple[Run, list[int], int]:
-    """One run from draft to last sample: the run, wall times of its intervals [ns], CPU time of all of them [ns]."""
+def _is_whole(run: Run) -> bool:
+    return isinstance(run.outcome, Trajectory)
+
+
+def _is_short(run: Run) -> bool:
+    return _is_whole(run) and run.timing is not None and int(run.timing.wall.sum()) <= LONG
+
+
+def _untimed(run: Run) -> Run:
+    """A run that is not repeated; one that came to its end says why."""
+    if not _is_whole(run) or run.timing is None:
+        return run
+    return replace(run, notes=(*run.notes, f"run once, not timed: {run.timing.wall.sum() * 1e-9:.0f} s"))
+
+
+def _timed(first: Run, repeats: Sequence[Run]) -> Run:
+    """The first run with the timings of the repeats, or the repeat that broke."""
+    if not _is_whole(repeats[-1]):
+        return repeats[-1]
+    timings = [run.timing for run in repeats if run.timing is not None]
+    wall, cpu = (np.concatenate([getattr(timing, name) for timing in timings]) for name in ("wall", "cpu"))
+    return replace(first, timing=Timing(wall, cpu, tuple(d for timing in timings for d in timing.digests)))
+
+
+def _attempt(engine: Engine, scene: Scene, times: np.ndarray, settings: Settings, blank: Run) -> Run:
+    """One run from draft to last sample."""
     said: dict[str, Any] = {}
     states: list[State] = []
     wall: list[int] = []
@@ -264,7 +297,11 @@ def _attempt(
         if world is not None and hasattr(engine, "close"):
             with suppress(Exception):  # the answer is there; how the world ends does not change it
                 engine.close(world)
-    return Run(**{**blank.__dict__, **said, "outcome": outcome}), wall, cpu[0]
+    run = replace(blank, **said, outcome=outcome)
+    if not wall:
+        return run
+    digests = (run.trajectory.digest(),) if run.trajectory is not None else ()
+    return replace(run, timing=Timing(np.array([wall], dtype=np.int64), np.array(cpu, dtype=np.int64), digests))
 
 
 def _samples(

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from adapters.conformance import Law
 
 MEMORY = 8 * 2**30  # address space of a worker [bytes]; compilers and BLAS reserve far more than they use
-TIMEOUT = 300.0  # of a cell with all its repeats [s]
+TIMEOUT = 300.0  # of a job [s]
 START_TIMEOUT = 120.0  # to start the process and import the engine [s]
 TAIL = 4096  # bytes of output kept with a run
 

@@ -4,25 +4,23 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Protocol
 
 from adapters import archive
-from adapters.run import Failure, Run, sample_times
-from adapters.workers import MEMORY, TIMEOUT, Workers
+from adapters.workers import MEMORY, TIMEOUT
 from comparisons.cell import Cell, cell_to_json
-from mechanics.trajectory import Trajectory
 from plumbline import run_folder
 from plumbline.card import keep_cards, read_cards
 from plumbline.fingerprint import fingerprint
 from plumbline.judging import absent, judged, step_of
+from plumbline.lanes import Lanes
 from plumbline.plan import Job, described, described_engines
 from plumbline.results import Results, judge_failed
 from plumbline.run_folder import RunFolder
-from scenarios.phase import delays, later
+from scenarios.phase import delays
 
 RERUN = ("none", "failed", "all")
 GOOD = ("ok", "refused", "xfail")
@@ -62,15 +60,16 @@ class Options:
     Attributes
     ----------
     jobs : int
-        Engines that compute at the same time.
+        Engines that compute at the same time; where cost is measured, scenes (see `plumbline.lanes`).
     repeats : int
-        Timed repeats of every cell, after a warm-up; with one there is no warm-up and no cost.
+        Timed repeats of every cell, after a warm-up, in turns with the other cells on its scene; with one there is no
+        warm-up and no cost.
     timeout : float
-        Of one cell [s]; then its process is killed.
+        Of one run of a cell [s]; then its process is killed.
     budget : float or None
         Of the whole campaign [s]; no cell begins after it, and what has not begun is `not-run`.
     patience : float
-        How many times the deadline a cell may take on a busy machine until it has had that much CPU time.
+        How many times the deadline a run may take on a busy machine until it has had that much CPU time.
     memory : int
         Address space of one engine [bytes]; 0 = no limit.
     rerun : str
@@ -230,7 +229,11 @@ class Execution:
         return new
 
     def _good_enough(self, job: Job, cell: Cell) -> bool:
-        if cell.trace and cell.phase_count != len(self._delays(job)) and cell.state in WHOLE:
+        if (
+            cell.trace
+            and cell.phase_count != len(delays(job.scenario, self.options.phases, step_of(job.settings)))
+            and cell.state in WHOLE
+        ):
             return False
         if cell.state in ("not-installed", "not-run") or judge_failed(cell):
             return False
@@ -245,61 +248,26 @@ class Execution:
         """
         waiting = [job for job in left if job.absent is None]
         done = {job.key: self._finish(folder, absent(job), 0.0) for job in left if job.absent is not None}
-        running: dict[Future[list[Run]], tuple[Job, float]] = {}
-        with Workers(self.options.memory) as workers, ThreadPoolExecutor(self.options.jobs) as threads:
-            try:
-                while waiting or running:
-                    while (job := self._next(waiting, running, begun)) is not None:
-                        waiting.remove(job)
+        with Lanes(self.options) as lanes:
+            manifest["timing"] = lanes.told
+            while waiting or lanes.busy:
+                while not self._spent(begun) and (given := lanes.give(waiting)):
+                    for job in given:
                         self.watcher.started(job)
-                        running[threads.submit(self._ask, workers, job)] = (job, time.monotonic())
-                    if not running:
-                        break  # the budget is spent
-                    for future in wait(running, return_when=FIRST_COMPLETED).done:
-                        job, since = running.pop(future)
-                        run, *more = future.result()
-                        cell = judged(job, run, folder.keep(job.key, run, more), more)
-                        done[job.key] = self._finish(folder, cell, time.monotonic() - since)
-                        if new := self._follow(manifest, job, cell):
-                            waiting += new
-                            folder.describe(manifest)
-                if self.options.card and not self._spent(begun):
-                    read_cards(self.jobs, manifest["engines"], workers, threads, self.options.timeout)
-            finally:
-                workers.close()  # before the threads are joined: they wait for their workers
+                if not lanes.busy:
+                    break  # the budget is spent
+                for job, run, more, seconds in lanes.finished():
+                    cell = judged(job, run, folder.keep(job.key, run, more), more)
+                    done[job.key] = self._finish(folder, cell, seconds)
+                    if new := self._follow(manifest, job, cell):
+                        waiting += new
+                        folder.describe(manifest)
+            if self.options.card and not self._spent(begun):
+                read_cards(self.jobs, manifest["engines"], lanes.workers, lanes.threads, self.options.timeout)
         return done
 
     def _spent(self, begun: float) -> bool:
         return self.options.budget is not None and time.monotonic() - begun > self.options.budget
-
-    def _next(self, waiting: list[Job], running: Mapping[Any, tuple[Job, float]], begun: float) -> Job | None:
-        """The first job in the order of the plan whose engine is free."""
-        if self._spent(begun) or len(running) >= self.options.jobs:
-            return None
-        busy = {job.engine for job, _ in running.values()}
-        return next((job for job in waiting if job.engine not in busy), None)
-
-    def _ask(self, workers: Workers, job: Job) -> list[Run]:
-        """The run of a job, and its other phases, which are not timed; after one that broke none is risked."""
-        runs: list[Run] = []
-        for delay in self._delays(job):
-            broken = runs and not isinstance(runs[-1].outcome, Trajectory)
-            runs.append(replace(runs[-1], partial=None) if broken else self._one(workers, job, delay))
-        return runs if isinstance(runs[0].outcome, Trajectory) else runs[:1]
-
-    def _delays(self, job: Job) -> tuple[float, ...]:
-        return delays(job.scenario, self.options.phases, step_of(job.settings))
-
-    def _one(self, workers: Workers, job: Job, delay: float) -> Run:
-        times = sample_times(job.scenario.duration, job.scenario.sampling)
-        options = self.options
-        repeats = 1 if delay else options.repeats
-        try:
-            scene = later(job.scenario, delay).scene
-            return workers.run(job.engine, scene, times, job.settings, repeats, options.timeout, options.patience)
-        except Exception as error:  # an adapter may raise outside of its process, too: when asked for its lead
-            failure = Failure("error", "start", 0.0, f"{type(error).__name__}: {error}")
-            return Run(job.engine, job.version, dict(job.settings), failure)
 
     def _finish(self, folder: RunFolder, cell: Cell, seconds: float) -> Cell:
         folder.append(cell)

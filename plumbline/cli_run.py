@@ -81,7 +81,7 @@ def states(_: click.Context, parameter: click.Parameter, text: str | None) -> tu
 @click.option(
     "--sampling", callback=seconds, help="Interval of recorded states of a scene file.  [default: duration/100]"
 )
-@click.option("-j", "--jobs", type=click.IntRange(1), default=2, show_default=True, help="Engines at the same time.")
+@click.option("-j", "--jobs", type=click.IntRange(1), default=2, show_default=True, help="Engines at the same time; with repeats, scenes.")
 @click.option(
     "--repeats",
     type=click.IntRange(1),
@@ -95,7 +95,7 @@ def states(_: click.Context, parameter: click.Parameter, text: str | None) -> tu
     "  [default: 1; museum: 8]",
 )
 @click.option(
-    "--timeout", callback=seconds, help="Of a cell; then its engine is killed.  [default: 2m; published figures: 20m]"
+    "--timeout", callback=seconds, help="Of one run of a cell; then its engine is killed.  [default: 2m; published figures: 20m]"
 )
 @click.option("--budget", callback=seconds, help="Of the run; what has not begun by then is not run.")
 @click.option(
