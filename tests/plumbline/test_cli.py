@@ -316,7 +316,8 @@ def test_the_doctor_examines_the_machine(command, monkeypatch):
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupt_ends_workers_keeps_the_journal_and_exits_130(toy_file, tmp_path, sent):
     words = ["run", "-s", "projectile", "-s", "free-fall[]", "-e", "toy", "-e", "toy:faulty", "--set", "fault=hang",
-             "--plugin", str(toy_file), "--out", "run", "--progress", "plain", "--timeout", "60s"]  # fmt: skip
+             "--repeats", "1", "--plugin", str(toy_file), "--out", "run", "--progress", "plain",
+             "--timeout", "60s"]  # fmt: skip
     # a test run in the background of a script ignores interrupts, and what it starts would inherit that
     heed = functools.partial(signal.signal, sent, signal.SIG_DFL)
     process = subprocess.Popen(
