@@ -146,11 +146,15 @@ class Campaign:
     scenarios : dict
         Label -> {"summary", "source", "tags", "effects", "checks": [...]}: what a reader needs beside the numbers.
     engines : dict
-        Name -> {"version", "settings": {name: value}, "profile": {setting: why}}.
+        Name -> {"version", "settings": {name: value}, "knobs": {name: [values, coarse to fine]},
+        "profile": {setting: why}}.
     cells : tuple of Cell
     ladders : dict
         Name -> {"raises", "unit", "rungs", "monotone", "climbs": {engine: [[rung, key of its cell], ...]}}, where
         ladders were climbed: these cells are steps on the way to a frontier, and no verdicts of a suite.
+    sweep : dict
+        {"knobs": "main" or "all"} if knobs were swept for accuracy against time: then cells at other than the default
+        settings are points of curves, and no verdicts of a suite.
     """
 
     id: str
@@ -163,6 +167,7 @@ class Campaign:
     engines: Mapping[str, Any]
     cells: tuple[Cell, ...]
     ladders: Mapping[str, Any] = field(default_factory=dict)
+    sweep: Mapping[str, Any] = field(default_factory=dict)
 
 
 def cell_key(scenario: str, version: int, engine: str, engine_version: str, settings: Mapping[str, Any]) -> str:
