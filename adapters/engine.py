@@ -76,8 +76,8 @@ class Engine(Protocol):
     knobs : mapping
         What trades accuracy for time: name -> values, coarse to fine.  ``dt`` is a time step [s].
 
-    Optional names, read through the functions below: `defaults`, `profile`, `on_request`, `sample`, `settle`, `lead`,
-    `events`, `contacts`, `close`.  `known` maps laws of `adapters.conformance` that the engine breaks to the
+    Optional names, read through the functions below: `defaults`, `profile`, `on_request`, `sample`, `laws`, `settle`,
+    `lead`, `events`, `contacts`, `close`.  `known` maps laws of `adapters.conformance` that the engine breaks to the
     reason; `repeats` = False says that it does not repeat itself bit for bit.
     """
 
@@ -146,6 +146,11 @@ def on_request(engine: Engine) -> bool:
 def sample(engine: Engine) -> str:
     """The suite on which an engine that runs on request runs all the same, as a baseline; "" for none."""
     return str(getattr(engine, "sample", ""))
+
+
+def laws(engine: Engine) -> tuple[str, ...]:
+    """Knobs that choose which law holds, not how accurately it is solved: no sweep for accuracy turns them."""
+    return tuple(getattr(engine, "laws", ()))
 
 
 def lead(engine: Engine, settings: Settings) -> float:

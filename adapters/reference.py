@@ -160,6 +160,7 @@ class Reference(Profile):
         "time_of_contact": ("bisection", "illinois", "newton", "advancement"),
         "solver": ("pgs", "lemke", "osqp_dual", "osqp", "dantzig", "nnls", "auto"),
     }
+    laws = ("impact_law", "restitution", "friction", "sides")
     table = "IMPULSES"
     kinds = EFFECTS + LINKS
     events = _events

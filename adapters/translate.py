@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from importlib.metadata import PackageNotFoundError
 from importlib.metadata import version as distribution_version
 from typing import NamedTuple
@@ -20,6 +21,7 @@ from mechanics.scene import Scene
 TIME_STEPS = tuple(1.0 / (60 * 2**k) for k in range(9))  # 1/60 s halved down to 1/15360 s
 
 
+@cache
 def installed_version(module: str, *distributions: str) -> str:
     """Version of the installed distribution that brings `module`: of that name, or one of `distributions`.
 

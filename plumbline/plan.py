@@ -189,7 +189,7 @@ def plan(
     settings = settings or {}
     besides = {name: {s.name for s in catalogue.suite(suite)} for name, suite in (baselines or {}).items()}
     besides = {name: some for name, some in besides.items() if any(s.name in some for s in scenarios)}
-    had: dict[str, Engine | registry.Unavailable] = {name: _engine(name) for name in (*engines, *besides)}
+    had: dict[str, Engine | registry.Unavailable] = {name: engine_or_why(name) for name in (*engines, *besides)}
     present = [e for e in had.values() if not isinstance(e, registry.Unavailable)]
     _check_used(settings, present)
     choices = {e.name: settings_of(e, settings) for e in present}
@@ -201,15 +201,24 @@ def plan(
             if name in besides and scenario.name not in besides[name]:
                 continue
             if isinstance(engine, registry.Unavailable):
-                key = cell_key(scenario.name, scenario.version, name, "", {})
-                jobs.append(Job(key, scenario, name, "", {}, reproduce(scenario, name, {}, own_file), engine))
-                continue
-            for chosen in choices[name]:
-                version = str(engine.version)
-                key = cell_key(scenario.name, scenario.version, name, version, chosen)
-                told = {k: v for k, v in chosen.items() if v != defaults(engine)[k]}
-                jobs.append(Job(key, scenario, name, version, chosen, reproduce(scenario, name, told, own_file)))
+                jobs.append(absent_job(scenario, engine, own_file))
+            else:
+                jobs += [job(scenario, engine, chosen, own_file) for chosen in choices[name]]
     return tuple({job.key: job for job in jobs}.values())
+
+
+def job(scenario: Scenario, engine: Engine, settings: Mapping[str, Knob], own_file: str = "") -> Job:
+    """The job of one cell; `settings` are every knob of the engine with its value."""
+    version = str(engine.version)
+    key = cell_key(scenario.name, scenario.version, engine.name, version, settings)
+    told = {k: v for k, v in settings.items() if v != defaults(engine)[k]}
+    return Job(key, scenario, engine.name, version, settings, reproduce(scenario, engine.name, told, own_file))
+
+
+def absent_job(scenario: Scenario, engine: registry.Unavailable, own_file: str = "") -> Job:
+    """The job of an engine that cannot be had here."""
+    key = cell_key(scenario.name, scenario.version, engine.name, "", {})
+    return Job(key, scenario, engine.name, "", {}, reproduce(scenario, engine.name, {}, own_file), engine)
 
 
 def _remedied(scenario: Scenario, engines: Collection[str], own_file: str) -> list[Job]:
@@ -222,7 +231,8 @@ def _remedied(scenario: Scenario, engines: Collection[str], own_file: str) -> li
     return [replace(job, scenario=scenario) for job in jobs]
 
 
-def _engine(name: str) -> Engine | registry.Unavailable:
+def engine_or_why(name: str) -> Engine | registry.Unavailable:
+    """The engine of that name, or why it cannot be had here."""
     try:
         return registry.engine(name)
     except registry.Unavailable as unavailable:
@@ -271,7 +281,7 @@ def described(scenarios: Iterable[Scenario]) -> dict[str, Any]:
 
 
 def described_engines(jobs: Iterable[Job]) -> dict[str, Any]:
-    """Version, default settings and profile of every engine of the plan."""
+    """Version, default settings, knobs (coarse to fine) and profile of every engine of the plan."""
     told: dict[str, Any] = {}
     for job in jobs:
         if job.engine in told:
@@ -283,6 +293,7 @@ def described_engines(jobs: Iterable[Job]) -> dict[str, Any]:
             told[job.engine] = {
                 "version": job.version,
                 "settings": defaults(engine),
+                "knobs": {name: list(ladder) for name, ladder in engine.knobs.items()},
                 "profile": dict(profile(engine)),
             }
     return told

@@ -176,6 +176,7 @@ def merged(results: Sequence[Results]) -> Results:
         engines={k: v for r in results for k, v in r.campaign.engines.items()},
         cells=tuple(cells.values()),
         ladders={k: v for r in results for k, v in r.campaign.ladders.items()},
+        sweep={k: v for r in results for k, v in r.campaign.sweep.items()},
     )
     return Results(joined, results[0].folder, tuple(s for r in results for s in r.known))
 

@@ -174,7 +174,8 @@ def read_campaign(path: str | Path) -> Campaign:
 def campaign(manifest: Mapping[str, Any], cells: tuple[Cell, ...]) -> Campaign:
     """Campaign of a manifest and cells in the order of its plan."""
     names = ("id", "title", "command", "started", "wall_seconds", "fingerprint", "scenarios", "engines")
-    return Campaign(**{name: manifest[name] for name in names}, cells=cells, ladders=manifest.get("ladders", {}))
+    more = {name: manifest.get(name, {}) for name in ("ladders", "sweep")}
+    return Campaign(**{name: manifest[name] for name in names}, cells=cells, **more)
 
 
 def _not_run(entry: Mapping[str, Any], manifest: Mapping[str, Any], reason: str) -> Cell:
