@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -120,6 +121,9 @@ def factors(scene: Scene, effect: PairEffect) -> tuple[float, ...]:
     Refusal
         If no such factors exist, naming a pair that does not fit.
     """
+    if not effect.between and not joined(scene) and len(scene.moving) > 1 and len(scene.bodies) > 2:
+        # any two moving bodies and a third one touch each other: only equal factors give all three the same product
+        return (math.sqrt(effect.coefficient),) * len(scene.bodies)
     wanted = {(i, j): effect.of(scene.names[i], scene.names[j]) for i, j in scene.pairs()}
     positive: dict[int, list[int]] = {i: [] for i in range(len(scene.bodies))}
     for (i, j), value in wanted.items():

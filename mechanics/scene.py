@@ -228,7 +228,7 @@ class Scene:
             return
         joined = {frozenset((e.a, e.b)) for kind in (Rod, Hinge) for e in self.all(kind)}  # type: ignore[attr-defined]
         for (i, a), (j, b) in combinations(enumerate(self.bodies), 2):
-            if not (a.fixed and b.fixed) and frozenset((a.name, b.name)) not in joined:
+            if not (a.fixed and b.fixed) and not (joined and frozenset((a.name, b.name)) in joined):
                 yield i, j
 
     def restitution(self, i: int, j: int) -> float:

@@ -1,6 +1,7 @@
 """What is particular to the MuJoCo adapter."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 from adapters.engine import Refusal, checked_settings, lead, settled
 from adapters.mujoco import ENGINES
+from adapters.mujoco_model import alike_and_many
 from adapters.run import Failure, run
 from mechanics.effects import (
     Drag,
@@ -239,3 +241,28 @@ def test_every_departure_from_the_defaults_has_a_reason(engine):
     assert checked_settings(engine, None) == dict(engine.defaults)
     assert engine.version
     assert all(len(reason) > 10 for reason in engine.profile.values())
+
+
+def test_pairs_found_by_the_broad_phase_give_the_same_motion_as_named_ones(monkeypatch):
+    rng = np.random.default_rng(3)
+    balls = tuple(
+        Body(f"ball-{k}", Sphere(0.1), 1.0, (0.25 * (k % 6), 0.25 * (k // 6), 0.11 + 0.1 * float(rng.random())),
+             velocity=tuple(rng.normal(size=3)))
+        for k in range(36)
+    )  # fmt: skip
+    scene = Scene((Body("floor", HalfSpace()), *balls), (Gravity(), Rotation(), Restitution(0.9)))
+    named = moved(scene)
+    monkeypatch.setattr("adapters.mujoco_model.MANY_PAIRS", 100)
+    found = moved(scene)
+    assert np.abs(np.diff(named.v, axis=0)).max() > 1.0
+    np.testing.assert_allclose(found.x, named.x, atol=1e-9)
+    np.testing.assert_allclose(found.v, named.v, atol=1e-8)
+    apart = replace(scene, effects=(Gravity(), Rotation(), Restitution(0.9, between={("ball-0", "ball-1"): 0.2})))
+    assert not alike_and_many(apart, list(apart.pairs()))
+    rough = replace(scene, effects=(*scene.effects, Friction(0.2)))
+    assert not alike_and_many(rough, list(rough.pairs()))
+    assert alike_and_many(scene, list(scene.pairs()))
+
+
+def moved(scene):
+    return drive(FAIR, scene, 0.3, samples=31)

@@ -245,3 +245,16 @@ def test_a_turned_body_reads_back_the_way_it_was_put():
     state = drive(FAIR, Scene((body,), (Rotation(),)), 0.01).at(0)
     assert angle_between(state.q[0], np.array(body.orientation)) < 1e-14
     assert state.w[0] == pytest.approx([0.5, -1.0, 2.0], abs=1e-15)
+
+
+@pytest.mark.parametrize(("moving", "fixed"), [(1, 1), (1, 2), (2, 0), (2, 1), (2, 2), (4, 1)])
+def test_equal_coefficients_of_all_pairs_have_factors(moving, fixed):
+    bodies = tuple(
+        Body(f"b{i}", Sphere(0.1), None if i < fixed else 1.0, (float(i), 0.0, 0.0)) for i in range(moving + fixed)
+    )
+    effect = Friction(0.3)
+    scene = Scene(bodies, (effect,))
+    found = factors(scene, effect)
+    assert all(found[i] * found[j] == pytest.approx(0.3, rel=1e-15) for i, j in scene.pairs())
+    if moving == 1:
+        assert found[:fixed] == (1.0,) * fixed
