@@ -201,9 +201,14 @@ def prepare(engine: Engine, scene: Scene) -> tuple[Any, tuple[str, ...]]:
 
 
 def run(
-    engine: Engine, scene: Scene, times: Sequence[float], settings: Settings | None = None, repeats: int = 1
+    engine: Engine,
+    scene: Scene,
+    times: Sequence[float],
+    settings: Settings | None = None,
+    repeats: int = 1,
+    until: Callable[[State], bool] = lambda _: False,
 ) -> Run:
-    """Run `scene` in `engine`, recording the state at `times` [s].
+    """Run `scene` in `engine`, recording the state at `times` [s], or only up to the first for which `until` holds.
 
     With more than one repeat a warm-up precedes them and is discarded; each repeat is built anew,
     because only a rebuilt world is the same world in every engine.  A run whose warm-up takes longer
@@ -218,7 +223,7 @@ def run(
     chosen = checked_settings(engine, settings)
     ahead = lead(engine, settled(engine, chosen, scene))
     blank = Run(engine.name, engine.version, dict(chosen), Failure("error", "build", 0.0, ""), lead=ahead)
-    return in_turns([partial(_attempt, engine, scene, times, chosen, blank)], repeats)[0]
+    return in_turns([partial(_attempt, engine, scene, times, chosen, blank, until)], repeats)[0]
 
 
 def in_turns(cells: Sequence[Callable[[], Run]], repeats: int = 1) -> list[Run]:
@@ -270,7 +275,14 @@ def _timed(first: Run, repeats: Sequence[Run]) -> Run:
     return replace(first, timing=Timing(wall, cpu, tuple(d for timing in timings for d in timing.digests)))
 
 
-def _attempt(engine: Engine, scene: Scene, times: np.ndarray, settings: Settings, blank: Run) -> Run:
+def _attempt(
+    engine: Engine,
+    scene: Scene,
+    times: np.ndarray,
+    settings: Settings,
+    blank: Run,
+    until: Callable[[State], bool],
+) -> Run:
     """One run from draft to last sample."""
     said: dict[str, Any] = {}
     states: list[State] = []
@@ -286,6 +298,8 @@ def _attempt(engine: Engine, scene: Scene, times: np.ndarray, settings: Settings
         said["build_seconds"] = time.perf_counter() - begun
         for state in _samples(engine, world, times, stage, wall, cpu):
             states.append(state)
+            if until(state):
+                break
         said |= _spoken(engine, world)
         outcome: Trajectory | Refusal | Failure = Trajectory.of(states)
     except Refusal as refusal:
