@@ -257,10 +257,11 @@ def _meeting(pair: _Pair, first: np.ndarray, last: np.ndarray, span: np.ndarray,
 
 
 def _windows(pair: _Pair) -> tuple[np.ndarray, np.ndarray]:
-    """Samples before and after each impact: runs of intervals in which b pushes a, up to the fastest separation.
+    """Samples before and after each impact: runs of intervals in which b pushes a.
 
-    A soft contact pushes over many intervals; a body that stays pushes for ever, but after the first
-    interval gains no more speed.  A push that leaves the bodies approaching belongs to the next one.
+    A soft contact pushes over many intervals and ends when the bodies are apart; a body that stays is
+    pushed for ever, but after the first interval gains no more speed: there the fastest separation counts.
+    A push that leaves the bodies approaching belongs to the next one.
     """
     u = np.einsum("ti,ti->t", pair.normal, pair.w)
     edges = np.diff(np.concatenate([[0], pair.hits.astype(np.int8), [0]]))
@@ -268,10 +269,24 @@ def _windows(pair: _Pair) -> tuple[np.ndarray, np.ndarray]:
     for first, stop in zip(np.flatnonzero(edges == 1).tolist(), np.flatnonzero(edges == -1).tolist(), strict=True):
         enough = u[first + 1 : stop + 1] >= u[first + 1 : stop + 1].max() - 0.01 * abs(u[first])
         last = first + 1 + int(np.argmax(enough))
+        if stop > first + 1 and u[stop] > 0.01 * abs(u[first]):
+            first, last = _in_touch(pair.gap, first, stop)
         if windows and u[windows[-1][1]] < -0.01 * abs(u[windows[-1][0]]):
             first = windows.pop()[0]
         windows.append((first, last))
     return np.array([w[0] for w in windows]), np.array([w[1] for w in windows])
+
+
+def _in_touch(gap: np.ndarray, first: int, last: int) -> tuple[int, int]:
+    """The samples `first` and `last` moved out of the overlap they lie in, where a soft contact still pushes a little.
+
+    The last sample of all stays the last.
+    """
+    while first > 0 and gap[first] < 0.0:
+        first -= 1
+    while last < len(gap) - 1 and gap[last] < 0.0:
+        last += 1
+    return first, last
 
 
 @dataclass(frozen=True)

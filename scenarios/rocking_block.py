@@ -15,7 +15,7 @@ from mechanics.trajectory import Trajectory
 from scenarios.motion import Motion, trajectory, vectors
 from scenarios.scenario import Check, Scenario, Truth, scenario
 from scenarios.swing import fall, fall_speed, fall_time
-from scenarios.tolerance import GRAVITY, STEP, first_order
+from scenarios.tolerance import GRAVITY, SAFETY, STEP, first_order
 
 WIDTH, HEIGHT, MASS, MU = 0.2, 1.0, 5.0, 1.0  # [m], [m], [kg]; the friction never slips
 REACH, LEAN = 0.5 * math.hypot(WIDTH, HEIGHT), math.atan2(WIDTH, HEIGHT)  # [m], [rad]
@@ -92,13 +92,20 @@ def rocking_block(tilt: float = 0.1) -> Scenario:
         source="Housner, Bull. Seismol. Soc. Am. 53 (1963) 403",
         about=(Gravity, Restitution, Friction, Resting, Rotation),
         events=tuple(impacts),
-        guard=2.0 * len(impacts) * STEP,
+        guard=SAFETY * _delay(len(impacts)),
     )
 
 
+def _delay(impacts: int) -> float:
+    """By which the motion of a first-order engine may be late after so many impacts [s].
+
+    Seen h late, an impact leaves an overlap ω h, out of which the block climbs at what is left of ω: (1 + 1/r) h.
+    """
+    return (1.0 + impacts * (1.0 + 1.0 / KEPT)) * STEP
+
+
 def _checks(speed: float, impacts: int) -> tuple[Check, ...]:
-    """Seen h late, an impact leaves an overlap ω h, out of which the block climbs at what is left of ω: (1 + 1/r) h."""
-    late = (1.0 + impacts * (1.0 + 1.0 / KEPT)) * STEP
+    late = _delay(impacts)
     spin, turn = RATE**2 * math.sin(LEAN), speed
     why = f"for {late / STEP:.2g} h: the start, and (1 + 1/r) h for each impact"
     return (

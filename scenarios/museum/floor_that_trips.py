@@ -14,14 +14,15 @@ from scenarios.exhibit import Exhibit, Remedy
 from scenarios.motion import Motion, trajectory, vectors
 from scenarios.scenario import Check, Scenario, scenario
 
-TILES, SPEED, DURATION = 10, 2.0, 4.0  # each of 1 m; [m/s], [s]
+TILES, DURATION = 10, 4.0  # each of 1 m; [s]
+SPEED = 1.97  # [m/s]; no usual step carries the box onto a seam exactly, where rounding decides what is touched
 EXHIBIT = Exhibit(
     number=10,
     title="The flat floor that trips you",
     shown="A smooth box slides over a level floor, of one slab and of ten tiles side by side.  Where each tile is "
     "collided with alone, the box may catch on the edge between two: a corner that a step has carried a hair too "
     "deep meets a vertical face.  The slab is the control.",
-    truth="A smooth level floor takes no speed: the box slides on at 2 m/s.",
+    truth="A smooth level floor takes no speed: the box slides on as fast as it came.",
     figures={"final speed": SPEED, "tilt": 0.0},
     origin=(
         "https://github.com/bulletphysics/bullet3/issues/288",
@@ -39,9 +40,10 @@ EXHIBIT = Exhibit(
     suites=("museum",),
     variants=({}, {"edge": 0.3}, {"floor": "slab"}),
     ranges={"floor": ("tiles", "slab"), "edge": (0.01, 0.9)},
+    version=2,
 )
 def floor_that_trips(floor: str = "tiles", edge: float = 0.2) -> Scenario:
-    """A smooth box of 20 or 30 cm slides at 2 m/s over ten flush tiles, or over one slab, and must not notice.
+    """A smooth box of 20 or 30 cm slides at almost 2 m/s over ten flush tiles, or over one slab, and must not notice.
 
     Level geometry made of pieces is what games and maps are made of.  Contact that knows one piece at a time sees
     edges where the floor has none; whether it catches on one is chance, and another size of box another throw.

@@ -156,6 +156,32 @@ def test_a_soft_contact_of_many_samples_is_one_impact():
     assert found.e == pytest.approx([1.0], abs=0.02)  # the ends of the contact push too little to be told from flight
 
 
+@pytest.mark.parametrize("interval", [1e-2, 2e-3, 2.5e-4])
+def test_a_soft_contact_under_gravity_gives_back_what_came_in(interval):
+    """A ball on an undamped spring of 100 rad/s, 31 ms in contact: z'' = -g - w² z below the surface.
+
+    It leaves as fast as it came (energy), however many samples fall into the contact; the end of the push is
+    told to a hundredth of the speed, and gravity changes the speed by as much in an interval.
+    """
+    w, u = 100.0, 4.43
+    lowest = np.arctan2(u, G / w) / w  # z' = -(u² + (g/w)²)^½ cos(...) is zero
+    stay = 2.0 * lowest
+    t = np.arange(0.0, 0.5, interval)
+    s = t - 0.2
+    inside = -u / w * np.sin(w * s) - G / w**2 * (1.0 - np.cos(w * s))
+    rate = -u * np.cos(w * s) - G / w * np.sin(w * s)
+    off = s - stay
+    z = np.where(s < 0.0, -u * s - 0.5 * G * s**2, np.where(off < 0.0, inside, u * off - 0.5 * G * off**2))
+    v = np.where(s < 0.0, -u - G * s, np.where(off < 0.0, rate, u - G * off))
+    scene = Scene((FLOOR, Body("ball", Sphere(0.1), 1.0, (0.0, 0.0, 1.0))), (Gravity(), Restitution(1.0)))
+    x = np.zeros((len(t), 2, 3))
+    velocity = np.zeros_like(x)
+    x[:, 1, 2], velocity[:, 1, 2] = 0.1 + z, v
+    motion = Trajectory(t, x, np.tile([1.0, 0.0, 0.0, 0.0], (len(t), 2, 1)), velocity, np.zeros_like(x))
+    (found,) = impacts(scene, motion)
+    assert found.e == pytest.approx([1.0], abs=0.01 + G * interval / u)
+
+
 def test_a_landing_that_stays_has_no_restitution():
     t = np.arange(0.0, 1.0, 0.01)
     (found,) = impacts(*dropped(Sphere(0.1), 0.1, 1.0, 0.8, t, 0.0))

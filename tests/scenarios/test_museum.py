@@ -18,6 +18,7 @@ from mechanics.shapes import Box, Sphere
 from mechanics.trajectory import State, Trajectory
 from plumbline.plan import plan
 from scenarios import catalogue
+from scenarios.museum import floor_that_trips
 
 MUSEUM = catalogue.suite("museum")
 
@@ -117,3 +118,17 @@ class TestExhibits:
         assert figures("wall-that-must-stop[speed=100]", "mujoco:stock")["passed through"] == 1.0
         for engine in ("mujoco:speculative", "pybullet:ccd", "reference"):
             assert figures("wall-that-must-stop[speed=100]", engine)["passed through"] == 0.0
+
+
+@pytest.mark.parametrize("step", [1 / 60, 1 / 240, 2e-3, 1e-3, 5e-4, 2.5e-4])
+@pytest.mark.parametrize("edge", [0.2, 0.3])
+def test_no_usual_step_carries_the_tripping_box_onto_a_seam(step, edge):
+    """A face that meets the side of a tile to the last bit is stopped, or not, by rounding; at 2 m/s it would."""
+    seams = np.arange(floor_that_trips.TILES - 1) + 0.5
+
+    def nearest(speed):
+        meetings = np.concatenate([seams - 0.5 * edge, seams + 0.5 * edge]) / (speed * step)
+        return np.abs(meetings - np.round(meetings)).min()
+
+    assert nearest(floor_that_trips.SPEED) > 1e-4
+    assert nearest(2.0) < 1e-9 or step > 1e-3
