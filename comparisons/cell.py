@@ -155,6 +155,8 @@ class Campaign:
     sweep : dict
         {"knobs": "main" or "all"} if knobs were swept for accuracy against time: then cells at other than the default
         settings are points of curves, and no verdicts of a suite.
+    baseline : dict
+        What the cells are to be compared with, as `comparisons.regression.Baseline` has it; empty if nothing is.
     """
 
     id: str
@@ -168,6 +170,7 @@ class Campaign:
     cells: tuple[Cell, ...]
     ladders: Mapping[str, Any] = field(default_factory=dict)
     sweep: Mapping[str, Any] = field(default_factory=dict)
+    baseline: Mapping[str, Any] = field(default_factory=dict)
 
 
 def cell_key(scenario: str, version: int, engine: str, engine_version: str, settings: Mapping[str, Any]) -> str:

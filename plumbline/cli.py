@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from plumbline.cli_gate import baseline, check
 from plumbline.cli_ladder import ladder
 from plumbline.cli_run import run
 from plumbline.command import as_json, harness, plug_in, register, usage
@@ -16,7 +17,7 @@ from plumbline.command import as_json, harness, plug_in, register, usage
 CODES = """\b
 Exit codes:
   0    everything within tolerance, refused with a reason, or on record
-  1    findings: an answer is out of tolerance
+  1    findings: an answer is out of tolerance, or worse than in the baseline
   2    usage: a name, value or file that is not possible
   3    an engine crashed, raised, ran out of memory or hung
   4    the harness failed: it could not judge or could not write
@@ -58,6 +59,8 @@ def cli() -> None:
 
 cli.add_command(run)
 cli.add_command(ladder)
+cli.add_command(check)
+cli.add_command(baseline)
 
 
 @cli.command("list")

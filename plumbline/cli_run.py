@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -34,18 +35,28 @@ def seconds(_: click.Context, parameter: click.Parameter, text: str | None) -> f
     return value
 
 
+def shard(_: click.Context, parameter: click.Parameter, text: str | None) -> tuple[int, int] | None:
+    """Which part of how many: 2/4."""
+    if text is None:
+        return None
+    part, _slash, parts = text.partition("/")
+    if not (part.isdecimal() and parts.isdecimal() and 1 <= int(part) <= int(parts)):
+        raise click.BadParameter(f"{text!r} is no part of a whole: I/N with 1 <= I <= N", param=parameter)
+    return int(part), int(parts)
+
+
 def states(_: click.Context, parameter: click.Parameter, text: str | None) -> tuple[str, ...] | None:
-    """Cell states separated by commas; "harness" (or "none"): only faults of the harness itself."""
+    """Cell states and outcomes, separated by commas; "harness" (or "none"): only faults of the harness itself."""
     if text is None or text in ("none", "harness"):
         return None if text is None else ()
     from comparisons.cell import STATES
+    from comparisons.regression import OUTCOMES
 
     chosen = tuple(word.strip() for word in text.split(","))
     for word in chosen:
-        if word not in STATES:
-            raise click.BadParameter(
-                f"there is no state {word!r}; there are: harness, {', '.join(STATES)}", param=parameter
-            )
+        if word not in (*STATES, *OUTCOMES):
+            known = ", ".join((*STATES, *OUTCOMES))
+            raise click.BadParameter(f"there is no state {word!r}; there are: harness, {known}", param=parameter)
     return chosen
 
 
@@ -81,7 +92,14 @@ def states(_: click.Context, parameter: click.Parameter, text: str | None) -> tu
 @click.option(
     "--sampling", callback=seconds, help="Interval of recorded states of a scene file.  [default: duration/100]"
 )
-@click.option("-j", "--jobs", type=click.IntRange(1), default=2, show_default=True, help="Engines at the same time; with repeats, scenes.")
+@click.option(
+    "-j",
+    "--jobs",
+    type=click.IntRange(1),
+    default=2,
+    show_default=True,
+    help="Engines at the same time; with repeats, scenes.",
+)
 @click.option(
     "--repeats",
     type=click.IntRange(1),
@@ -95,7 +113,9 @@ def states(_: click.Context, parameter: click.Parameter, text: str | None) -> tu
     "  [default: 1; museum: 8]",
 )
 @click.option(
-    "--timeout", callback=seconds, help="Of one run of a cell; then its engine is killed.  [default: 2m; published figures: 20m]"
+    "--timeout",
+    callback=seconds,
+    help="Of one run of a cell; then its engine is killed.  [default: 2m; published figures: 20m]",
 )
 @click.option("--budget", callback=seconds, help="Of the run; what has not begun by then is not run.")
 @click.option(
@@ -109,6 +129,9 @@ def states(_: click.Context, parameter: click.Parameter, text: str | None) -> tu
     "--out", metavar="DIR", help="Folder of the run; finished cells in it are kept.  [default: a new one in runs/]"
 )
 @click.option("--rerun", type=click.Choice(["failed", "all"]), help="Run failed cells, or all, again.")
+@click.option(
+    "--shard", callback=shard, metavar="I/N", help="Part I of N of the scenarios; `plumbline merge` joins them."
+)
 @click.option("--dry-run", is_flag=True, help="Show what would be run.")
 @click.option(
     "--dt",
@@ -170,6 +193,8 @@ def planned(asked: dict[str, Any]) -> tuple[Job, ...]:
         elif asked["duration"] or asked["sampling"]:
             raise ValueError("--duration and --sampling are for scenes in TOML; a scenario says its own")
         scenarios = choose(what, asked["selectors"], asked["tags"], asked["duration"], asked["sampling"])
+        if asked["shard"]:  # every n-th: variants of one family, which cost alike, go to different parts
+            scenarios = scenarios[asked["shard"][0] - 1 :: asked["shard"][1]]
         engines, baselines = registry.select(asked["engines"]), registry.baselines(asked["engines"])
         return plan(scenarios, engines, read_settings(asked["settings"]), own, baselines)
 
@@ -178,7 +203,7 @@ def planned_figures(asked: dict[str, Any]) -> tuple[tuple[Figure, ...], tuple[Jo
     """Published figures that are asked for, and the jobs that answer them."""
     from plumbline import published
 
-    for name in ("settings", "tags", "duration", "sampling"):
+    for name in ("settings", "tags", "duration", "sampling", "shard"):
         if asked[name]:
             raise ValueError("published figures have settings of their own; choose with -e, -s and --dt")
     figures = published.chosen(asked["steps"], asked["engines"], asked["selectors"])
@@ -193,8 +218,13 @@ def own_file_words(asked: dict[str, Any]) -> str:
     return shlex.join(words)
 
 
-def carry_out(jobs: tuple[Job, ...], asked: dict[str, Any], figures: tuple[Figure, ...] | None) -> int:
-    """Run the jobs with a progress display, then show and write the report."""
+def carry_out(
+    jobs: tuple[Job, ...],
+    asked: dict[str, Any],
+    figures: tuple[Figure, ...] | None = None,
+    told: Mapping[str, Any] | None = None,
+) -> int:
+    """Run the jobs with a progress display, then show and write the report; `told` goes into `run.json`."""
     from dataclasses import replace
 
     from rich.console import Console
@@ -216,7 +246,7 @@ def carry_out(jobs: tuple[Job, ...], asked: dict[str, Any], figures: tuple[Figur
     outputs = finish.Outputs(asked["junit"], asked["summary"])
     with harness(), terminable(), progress(asked["style"], console) as display:
         outputs.open()
-        execution = Execution(jobs, folder, title(asked), command(), options, display)
+        execution = Execution(jobs, folder, title(asked), command(), options, display, told=told or {})
         try:
             results = replace(execution.run(), known=scenarios)
         except KeyboardInterrupt:

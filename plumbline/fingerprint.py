@@ -28,6 +28,21 @@ def fingerprint() -> dict[str, object]:
     return facts | ({"source": commit} if commit else {})
 
 
+def platform_class() -> str:
+    """What decides how this machine rounds: system, architecture and, on x86, the level of its vector instructions.
+
+    "linux-x86_64-v3": libraries choose their kernels by it.  Machines of one class give the same bits where the
+    same program runs; of other classes that cannot be expected.
+    """
+    from numpy import show_config
+
+    found = set(show_config(mode="dicts")["SIMD Extensions"]["found"])
+    levels = {"v4": {"X86_V4", "AVX512_SKX"}, "v3": {"X86_V3", "AVX2", "FMA3"}}
+    level = next((name for name, marks in levels.items() if marks & found), "v2")
+    parts = [platform.system().lower(), platform.machine().lower()]
+    return "-".join([*parts, level] if parts[1] in ("x86_64", "amd64") else parts)
+
+
 def processor() -> str:
     """Name of the processor."""
     try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import shutil
 from collections.abc import Sequence
@@ -12,13 +13,17 @@ from typing import Any
 
 import click
 from rich.console import Console
+from rich.text import Text
 
-from comparisons.cell import cell_to_json
+from comparisons.cell import Campaign, cell_to_json
 from comparisons.published import Figure
+from comparisons.regression import changes
 from plumbline import frontiers, published
 from plumbline.results import FAIL_ON, SENTENCES, Results
 from plumbline.run_folder import FolderError
 from reports.ladders import without_ladders
+from reports.regressions import chapters, lead_sentence, told
+from reports.terminal import STYLES, show
 
 WIDE = 180  # columns
 
@@ -93,9 +98,8 @@ def finish(
         frontiers.show(frontiers.rows(results.campaign))
     suite = without_ladders(results.campaign)
     if found is None and (suite.cells or not results.campaign.ladders):
-        from reports.terminal import show
-
         show(suite, console)
+        show_changes(results.campaign, console)
     elif found is not None:
         published.show(found, console)
     say_commands(results)
@@ -103,6 +107,22 @@ def finish(
         click.echo(f"exit code {code}: {SENTENCES[code]}")
     click.echo(f"report: {paths['index.html']}")
     return code
+
+
+def show_changes(campaign: Campaign, console: Console, most: int = 20) -> None:
+    """What is not identical to the baseline, where there is one: at most so many lines of each outcome."""
+    found = changes(campaign)
+    if not found:
+        return
+    console.print()
+    for chapter in chapters(campaign, found):
+        for line in chapter.lines[:most]:
+            said = f"{line.scenario} · {line.engine}: {line.sentence}".removesuffix(": ")
+            style = STYLES[chapter.mark.tone]
+            console.print(Text(f"{chapter.mark.glyph} {chapter.mark.word}", style=style), Text(said))
+        if len(chapter.lines) > most:
+            console.print(f"  and {len(chapter.lines) - most} more {chapter.mark.word}; the report has them all")
+    console.print(Text(lead_sentence(campaign, found)))
 
 
 def wide_console() -> Console:
@@ -120,6 +140,19 @@ def say_commands(results: Results, most: int = 5) -> None:
         click.echo(f"       and {len(broken) - most} more; the report has every command")
 
 
+def changes_as_json(campaign: Campaign) -> list[dict[str, Any]]:
+    """Every cell beside its record for programs; empty without a baseline."""
+    return [
+        {"scenario": c.scenario, "engine": c.engine, "settings": dict(c.settings), "outcome": c.outcome,
+         "quantity": c.quantity, "before": _finite(c.before), "now": _finite(c.now), "told": told(c)}
+        for c in changes(campaign)
+    ]  # fmt: skip
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
 def as_json(results: Results, paths: dict[str, Path], code: int) -> dict[str, Any]:
     """The run for programs."""
     campaign = results.campaign
@@ -133,4 +166,5 @@ def as_json(results: Results, paths: dict[str, Path], code: int) -> dict[str, An
         "files": {name: str(path) for name, path in paths.items()},
         "cards": {name: told["card"] for name, told in campaign.engines.items() if "card" in told},
         "cells": [json.loads(cell_to_json(cell)) for cell in results.cells],
+        "changes": changes_as_json(campaign),
     }

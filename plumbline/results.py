@@ -11,6 +11,7 @@ import reports
 from adapters.archive import ArchiveError
 from adapters.run import Run
 from comparisons.cell import Campaign, Cell
+from comparisons.regression import FINDINGS, changes
 from plumbline import own_files, run_folder
 from plumbline.run_folder import FolderError, Traces
 
@@ -21,10 +22,10 @@ if TYPE_CHECKING:
 
 BROKE = ("error", "crash", "timeout", "oom")
 FOUND = ("fail", "diverged", "xpass")
-FAIL_ON = (*FOUND, *BROKE)
+FAIL_ON = (*FOUND, *BROKE, *FINDINGS)
 SENTENCES = {
     0: "everything is within tolerance, refused with a reason, or on record",
-    1: "findings: an answer is out of tolerance",
+    1: "findings: an answer is out of tolerance, or worse than in the baseline",
     3: "an engine crashed, raised, ran out of memory or was killed at its deadline",
     4: "the harness failed: it could not judge or could not write",
     5: "nothing was selected, or nothing of it could run",
@@ -131,7 +132,7 @@ class Results:
         return replace(self, campaign=replace(self.campaign, cells=tuple(cells)), known=kept), remarks
 
     def exit_code(self, fail_on: Sequence[str] = FAIL_ON) -> int:
-        """0, 1, 3, 4 or 5, the worst of what the cells ask for; `fail_on` lists the states that count.
+        """0, 1, 3, 4 or 5, the worst of what the cells ask for; `fail_on` lists the states and outcomes that count.
 
         To break is what ladders are for: their cells count only where the harness failed.
         """
@@ -144,7 +145,7 @@ class Results:
             return 5
         if any(c.state not in FOUND for c in counted):
             return 3
-        return 1 if counted else 0
+        return 1 if counted or any(c.outcome in fail_on for c in changes(self.campaign)) else 0
 
 
 def judge_failed(cell: Cell) -> bool:

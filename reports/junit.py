@@ -1,7 +1,7 @@
 """JUnit XML for continuous integration: suite = scenario, case = engine and settings.
 
-Failure (the answer is wrong), error (the engine broke) and skipped (it was not asked, cannot, or fails
-for a reason on record) are kept apart.
+Failure (the answer is wrong, or not that of the baseline), error (the engine broke) and skipped (it was not asked,
+cannot, or fails for a reason on record) are kept apart.
 """
 
 from __future__ import annotations
@@ -11,6 +11,8 @@ import re
 from xml.etree import ElementTree as ET
 
 from comparisons.cell import Campaign, Cell
+from comparisons.regression import FINDINGS, Change, changes
+from reports.regressions import told
 from reports.verdict import case_name, mark, ratio, scenarios, sentence
 
 OUTCOME = {
@@ -32,30 +34,42 @@ FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 def junit(campaign: Campaign) -> str:
     """The campaign as JUnit XML."""
-    root = ET.Element("testsuites", _counts(campaign.cells) | {"name": clean(campaign.title or campaign.id)})
-    for scenario in scenarios(campaign):
-        cells = [c for c in campaign.cells if c.scenario == scenario]
-        suite = ET.SubElement(root, "testsuite", {"name": clean(scenario)} | _counts(cells))
+    found = changes(campaign)
+    news = {id(c.cell): c for c in found if c.cell is not None}
+    lost = [c for c in found if c.cell is None]
+    root = ET.Element("testsuites", name=clean(campaign.title or campaign.id))
+    for scenario in dict.fromkeys([*scenarios(campaign), *(c.scenario for c in lost)]):
+        suite = ET.SubElement(root, "testsuite", name=clean(scenario))
         if campaign.started:
             suite.set("timestamp", clean(campaign.started).removesuffix("Z"))
-        for cell in cells:
-            _case(suite, cell)
+        for cell in campaign.cells:
+            if cell.scenario == scenario:
+                _case(suite, cell, news.get(id(cell)))
+        for change in lost:
+            if change.scenario == scenario:
+                case = ET.SubElement(suite, "testcase", name=clean(change.engine), classname=clean(scenario), time="0")
+                _failure(case, change.outcome, f"{change.outcome}: {told(change)}")
+        suite.attrib |= _counts(suite)
+    root.attrib |= _counts(root)
     ET.indent(root)
     return '<?xml version="1.0" encoding="utf-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
 
-def _case(suite: ET.Element, cell: Cell) -> None:
+def _case(suite: ET.Element, cell: Cell, change: Change | None) -> None:
     case = ET.SubElement(suite, "testcase", name=clean(case_name(cell)), classname=clean(cell.scenario))
     case.set("time", f"{seconds(cell):.6f}")
-    _properties(case, cell)
+    _properties(case, cell, change)
     outcome = OUTCOME.get(cell.state)
-    if outcome:
-        message = clean(sentence(cell).replace("×", "x"))
-        result = ET.SubElement(case, outcome, message=message)
-        if outcome != "skipped":
-            result.set("type", cell.state)
-            result.text = message
+    news = f"{change.outcome}: {told(change)}" if change and change.outcome in FINDINGS else ""
+    if news and outcome in (None, "skipped"):
+        _failure(case, change.outcome if change else "", news)
+    elif outcome == "skipped":
+        ET.SubElement(case, outcome, message=_ascii_times(sentence(cell)))
+    elif outcome:
+        _failure(case, cell.state, "; ".join(filter(None, (sentence(cell), news))), outcome)
     lines = [f"{mark(cell).glyph} {mark(cell).word}: {sentence(cell)}", *cell.notes]
+    if change:
+        lines.append(f"against the baseline: {change.outcome}{f': {told(change)}' if told(change) else ''}")
     if cell.reproduce:
         lines.append(f"reproduce: {cell.reproduce}")
     ET.SubElement(case, "system-out").text = clean("\n".join(lines))
@@ -63,8 +77,18 @@ def _case(suite: ET.Element, cell: Cell) -> None:
         ET.SubElement(case, "system-err").text = clean(cell.output)
 
 
-def _properties(case: ET.Element, cell: Cell) -> None:
+def _failure(case: ET.Element, kind: str, text: str, outcome: str = "failure") -> None:
+    result = ET.SubElement(case, outcome, message=_ascii_times(text), type=kind)
+    result.text = _ascii_times(text)
+
+
+def _ascii_times(text: str) -> str:
+    return clean(text.replace("×", "x"))
+
+
+def _properties(case: ET.Element, cell: Cell, change: Change | None) -> None:
     values = {"engine": cell.engine, "engine_version": cell.engine_version, "state": cell.state}
+    values |= {"baseline": change.outcome} if change else {}
     values |= {f"setting.{name}": str(value) for name, value in cell.settings.items()}
     for m in cell.measurements:
         if not math.isnan(m.tolerance):
@@ -77,14 +101,15 @@ def _properties(case: ET.Element, cell: Cell) -> None:
         ET.SubElement(box, "property", name=clean(name), value=clean(value))
 
 
-def _counts(cells: tuple[Cell, ...] | list[Cell]) -> dict[str, str]:
-    outcomes = [OUTCOME.get(c.state) for c in cells]
+def _counts(suite: ET.Element) -> dict[str, str]:
+    cases = list(suite.iter("testcase"))
+    outcomes = [part.tag for case in cases for part in case]
     return {
-        "tests": str(len(outcomes)),
+        "tests": str(len(cases)),
         "failures": str(outcomes.count("failure")),
         "errors": str(outcomes.count("error")),
         "skipped": str(outcomes.count("skipped")),
-        "time": f"{sum(map(seconds, cells)):.6f}",
+        "time": f"{sum(float(case.get('time', 0)) for case in cases):.6f}",
     }
 
 

@@ -5,10 +5,13 @@ from __future__ import annotations
 import re
 
 from comparisons.cell import Campaign
+from comparisons.regression import changes
 from reports.card import at_stake
 from reports.findings import findings
 from reports.matrix import Entry, matrix
 from reports.numbers import count
+from reports.regressions import chapters
+from reports.regressions import lead_sentence as baseline_sentence
 from reports.standing import groups, lead_sentence
 from reports.verdict import LEGEND, RED, case_name, totals
 
@@ -23,6 +26,7 @@ def markdown(campaign: Campaign, limit: int = LIMIT) -> str:
     """
     head, table = _head(campaign), _table(campaign)
     parts = [
+        ("changes against the baseline", _baseline(campaign)),
         ("verdict rows", table),
         ("read-back cards", _card(campaign)),
         ("findings", _findings(campaign)),
@@ -89,6 +93,19 @@ def _entry(entry: Entry | None) -> str:
         return ""
     note = f" [{entry.note}]" if entry.note else ""
     return f"{entry.mark.glyph} {entry.mark.word} {plain(entry.ratio)}".rstrip() + note
+
+
+def _baseline(campaign: Campaign) -> list[str]:
+    """What is not identical to the baseline, where there is one."""
+    found = changes(campaign)
+    if not found:
+        return []
+    lines = ["## Against the baseline", "", plain(baseline_sentence(campaign, found)), ""]
+    for chapter in chapters(campaign, found):
+        lines += [f"### {chapter.mark.glyph} {chapter.mark.word} ({count(len(chapter.lines), 'cell')})", ""]
+        lines += [f"- **{plain(n.engine)}** on {plain(n.scenario)}: {plain(n.sentence)}" for n in chapter.lines]
+        lines.append("")
+    return lines
 
 
 def _card(campaign: Campaign) -> list[str]:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from reports import entries, method, museum, phases
+from reports import entries, method, museum, phases, regressions
 from reports.balance import balance
 from reports.card import cards, lines, remarks
 from reports.charts import cost_figures, has_point
@@ -160,6 +160,7 @@ def _views(content: Content, engines: Iterable[str]) -> list[EngineView]:
 
 SECTIONS = (
     Section("lead", "", _lead),
+    Section("regressions", "Regressions", regressions.shown),
     Section("verdicts", "Verdicts", _verdicts),
     Section("cost", "Cost", _cost),
     Section("motion", "Motion", _motion),
