@@ -93,7 +93,7 @@ class Results:
         FolderError
             If the folder cannot be written.
         """
-        from reports.series import look_up
+        from reports.recorded import look_up
 
         known = look_up(self.campaign) | {s.name: s for s in self.known}
         try:
@@ -108,7 +108,7 @@ class Results:
         version that was run, keep their verdict.
         """
         from plumbline.judging import judged_again
-        from reports.series import look_up
+        from reports.recorded import look_up
 
         own = {name: own_files.scenario_again(name, told) for name, told in self.campaign.scenarios.items()}
         known = look_up(self.campaign) | {n: s for n, s in own.items() if s} | {s.name: s for s in self.known}

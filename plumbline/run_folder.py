@@ -210,6 +210,9 @@ class Traces(Mapping[str, Run]):
         """Runs of the other phases of a step, in order."""
         return [archive.read(path) for path in phase_paths(self._paths[key], self._phases[key])]
 
+    def __contains__(self, key: object) -> bool:
+        return key in self._paths  # without reading it
+
     def __iter__(self) -> Iterator[str]:
         return iter(self._paths)
 

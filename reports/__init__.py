@@ -47,8 +47,9 @@ def write(
     from reports.junit import junit
     from reports.ladders import without_ladders
     from reports.markdown import markdown
+    from reports.motion import motion
     from reports.page import page
-    from reports.series import declared_restitution, look_up, time_series
+    from reports.recorded import declared_restitution, look_up
 
     place = Path(folder)
     place.mkdir(parents=True, exist_ok=True)
@@ -57,9 +58,7 @@ def write(
     )}  # fmt: skip
     known = look_up(campaign) if known is None else known
     suite = without_ladders(campaign)
-    curves = time_series(suite, traces or {}, known)
-    recorded = {c.scenario for c in suite.cells if traces and c.key in traces}
-    html = page(campaign, curves, len(recorded) - len(curves), declared_restitution(known))
+    html = page(campaign, motion(suite, traces or {}, known), declared_restitution(known))
     texts = {"index.html": html, "summary.md": markdown(campaign), "junit.xml": junit(suite)}
     for name, text in texts.items():
         paths[name].write_bytes(text.encode("utf-8", "replace"))

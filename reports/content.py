@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -10,8 +10,8 @@ from comparisons.cell import Campaign
 from reports.drawing import marker_shape
 from reports.ladders import without_ladders
 from reports.matrix import Matrix, matrix
+from reports.motion import Shown
 from reports.palette import base, profile, slug
-from reports.series import Curves
 from reports.verdict import engines
 
 
@@ -34,17 +34,14 @@ class Content:
     Attributes
     ----------
     campaign : Campaign
-    curves : sequence of Curves
-        What to show over time, as made by `reports.series.time_series`.
-    undrawn : int
-        Number of scenarios with a recorded motion that are not among them.
+    motion : Shown
+        Of recorded motions.
     asked : mapping
         Scenario -> coefficient of restitution it declares.
     """
 
     campaign: Campaign
-    curves: Sequence[Curves] = ()
-    undrawn: int = 0
+    motion: Shown = field(default_factory=Shown)
     asked: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property

@@ -91,9 +91,14 @@ def svg(figure: Figure, width: float = 400.0, height: float = 236.0, standalone:
     parts += _labels(figure, frame)
     names = ' xmlns="http://www.w3.org/2000/svg"' if standalone else ""
     return (
-        f'<svg{names} class="fig" viewBox="0 0 {width:g} {height:g}" role="img" '
+        f'<svg{names} class="fig" viewBox="0 0 {width:g} {height:g}" role="img" data-span="{_span(frame.x)}" '
         f'aria-label="{escape(figure.summary or figure.title)}">{"".join(parts)}</svg>'
     )
+
+
+def _span(x: _Scale) -> str:
+    """Where the axis of x begins and ends [px], and the values there: what a cursor needs."""
+    return f"{x.start:g} {x.end:g} {x.least:.9g} {x.most:.9g}"
 
 
 def asset(name: str) -> str:

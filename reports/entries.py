@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from comparisons.cell import Campaign, Cell
+from comparisons.cell import Cell
 from comparisons.measurement import Measurement
 from reports.card import incomparable
 from reports.charts import has_point
@@ -29,23 +29,28 @@ class CellView:
     cost: str
     rows: tuple[tuple[str, ...], ...]
     facts: tuple[tuple[str, str], ...]
+    replay: str
 
 
 def shown(content: Content) -> Mapping[str, Any]:
     """What the section shows: the entries, and every verdict that occurs among them."""
     states = list(dict.fromkeys(mark(c).word for c in content.campaign.cells))
-    return {"cells": _cells(content.campaign), "states": states}
+    return {"cells": _cells(content), "states": states}
 
 
-def _cells(campaign: Campaign) -> list[CellView]:
+def _cells(content: Content) -> list[CellView]:
     views = []
+    campaign = content.campaign
+    replays = {r.scenario: r for r in content.motion.replays}
     for cell, fragment in zip(campaign.cells, anchor(campaign).values(), strict=True):
         cost = f"{short(1e3 * cell.cost)} ms/s" if has_point(cell) else ""
         rows = tuple(_measurement(m) for m in cell.measurements)
         settings = settings_text(cell.settings)
+        shown = replays.get(cell.scenario)
+        link = shown.link(cell.key) if shown else ""
         facts = _details(cell, incomparable(campaign, cell))
         views.append(
-            CellView(cell, fragment, mark(cell), ratio_text(cell), sentence(cell), settings, cost, rows, facts)
+            CellView(cell, fragment, mark(cell), ratio_text(cell), sentence(cell), settings, cost, rows, facts, link)
         )
     return views
 

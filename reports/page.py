@@ -3,33 +3,36 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from hashlib import sha256
 
 from comparisons.cell import Campaign
 from reports.content import Content
 from reports.drawing import asset
+from reports.motion import Shown
 from reports.palette import css
 from reports.sections import environment, rendered
-from reports.series import Curves
+
+SCRIPTS = ("page.js", *(f"player/{name}.js" for name in ("blocks", "meshes", "camera", "webgl", "canvas", "player")))
+STYLES = ("figure.css", "page.css", "player.css")
 
 
 def page(
-    campaign: Campaign, curves: Sequence[Curves] = (), undrawn: int = 0, asked: Mapping[str, float] | None = None
+    campaign: Campaign,
+    motion: Shown | None = None,
+    asked: Mapping[str, float] | None = None,
 ) -> str:
     """The report of a campaign as one HTML document.
 
     Parameters
     ----------
-    curves : sequence of Curves
-        What to show over time, as made by `reports.series.time_series`.
-    undrawn : int
-        Number of scenarios with a recorded motion that are not among them.
+    motion : Shown, optional
+        What to show of recorded motions, as made by `reports.motion.motion`.
     asked : mapping, optional
         Scenario -> coefficient of restitution it declares.
     """
-    content = Content(campaign, curves, undrawn, asked or {})
-    script = asset("page.js")
+    content = Content(campaign, motion or Shown(), asked or {})
+    script = "".join(map(asset, SCRIPTS))
     return (
         environment()
         .get_template("page.html")
@@ -37,8 +40,9 @@ def page(
             title=campaign.title or campaign.id,
             policy=policy(script),
             script=script,
-            style=css(tuple(content.engines)) + asset("figure.css") + asset("page.css"),
+            style=css(tuple(content.engines)) + "".join(map(asset, STYLES)),
             width=300 + 132 * len(content.engines),  # below this [px] the matrix scrolls in a box of its own
+            engines=content.engines.values(),
             sections=rendered(content),
         )
     )

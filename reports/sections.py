@@ -23,8 +23,9 @@ from reports.findings import findings
 from reports.ladders import LEGEND as RUNGS
 from reports.ladders import chapters
 from reports.numbers import count, short
+from reports.replay import SIZE, STEPS
 from reports.standing import groups, lead_sentence
-from reports.verdict import LEGEND, first_of_family, totals
+from reports.verdict import LEGEND, description, first_of_family, totals
 
 
 @dataclass(frozen=True)
@@ -117,11 +118,17 @@ def _cost(content: Content) -> Mapping[str, Any]:
     }
 
 
-def _motion(content: Content) -> Mapping[str, Any]:
-    if not content.curves:
+def _replay(content: Content) -> Mapping[str, Any]:
+    motion = content.motion
+    if not motion.curves and not motion.replays:
         return {}
-    series = [(c.scenario, [(f.title, svg(f, 560.0, 230.0)) for f in c.figures], c.remark) for c in content.curves]
-    return {"series": series, "undrawn": content.undrawn}
+    return {
+        "series": [(c.scenario, [(f.title, svg(f, *SIZE)) for f in c.figures], c.remark) for c in motion.curves],
+        "undrawn": motion.recorded - len(motion.curves),
+        "replays": [(r, description(content.suite, r.scenario)["summary"]) for r in motion.replays],
+        "dropped": motion.recorded - len(motion.replays),
+        "steps": STEPS,
+    }
 
 
 def _ladders(content: Content) -> Mapping[str, Any]:
@@ -163,7 +170,7 @@ SECTIONS = (
     Section("regressions", "Regressions", regressions.shown),
     Section("verdicts", "Verdicts", _verdicts),
     Section("cost", "Cost", _cost),
-    Section("motion", "Motion", _motion),
+    Section("replay", "Replay", _replay),
     Section("ladders", "Ladders", _ladders),
     Section("museum", "Museum", _museum),
     Section("balance", "Energy", _balance),

@@ -1,32 +1,32 @@
-"""Energy and motion over time, from recorded motions.
+"""Energy, momentum, gap and distance from the truth over time, from recorded motions.
 
-Display only: at most two points per pixel, the least and the largest value that fall on it, so that no
-peak is lost.  Verdicts never come from here.
+Display only: the least and the largest value of each short stretch of time, so that no peak is lost.  Verdicts
+never come from here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from adapters.archive import ArchiveError
-from comparisons.cell import Campaign, Cell
-from mechanics.effects import Restitution
-from mechanics.trajectory import Trajectory
+from comparisons.conserved import conserved
+from comparisons.energy import potential_energy
+from comparisons.gap import bounded_gap, unmeasurable
+from comparisons.momentum import linear_deviation, linear_scale
+from comparisons.moving import Moving
+from comparisons.penetration import close_pairs, pose
+from mechanics.scene import Scene
+from reports.drawing import FLOOR
 from reports.figures import Axis, Figure, Series
-from reports.palette import profile
-from reports.verdict import RED, chosen, engines, first_of_family, scenarios
+from reports.recorded import Recorded
+from scenarios.scenario import Truth
 
-if TYPE_CHECKING:
-    from adapters.run import Run
-    from scenarios.scenario import Scenario
-
-BUCKETS = 160
-MOST_SCENES = 12
+BUCKETS = 100
+ROUNDING = 1e-14  # of the momentum scale
+MOST_GAPS = 20_000  # of one motion, pairs times samples: what is slower to compute is not drawn
 
 
 @dataclass(frozen=True)
@@ -38,139 +38,96 @@ class Curves:
     remark: str = ""
 
 
-def time_series(
-    campaign: Campaign,
-    traces: Mapping[str, Trajectory | Run],
-    known: Mapping[str, Scenario],
-    most: int = MOST_SCENES,
-) -> list[Curves]:
-    """Figures of energy and of the body that travels farthest, per scenario.
-
-    Parameters
-    ----------
-    traces : mapping
-        Key of a cell -> its motion; a `Run` brings also the time by which its positions run ahead of its
-        velocities, so that energy is synchronised.
-    known : mapping
-        Label -> Scenario: without one a scenario has neither energy nor truth.
-    most : int
-        Scenarios to show at most: the first of each family before variants, and among equals those in which a
-        fair profile has a red cell.
-
-    Returns
-    -------
-    list of Curves, in the order of every table.
-    """
-    table = {place: cell for place, cell in chosen(campaign).items() if cell.key in traces}
-    labels = [s for s in scenarios(campaign) if any(place[0] == s for place in table)]
-    red = {s for (s, engine), cell in table.items() if cell.state in RED and not profile(engine)}
-    leading = first_of_family(campaign, labels)
-    kept = set(sorted(labels, key=lambda s: (s not in leading, s not in red))[:most])
-    shown = []
-    for label in labels:
-        cells = [table[label, e] for e in engines(campaign) if (label, e) in table]
-        if label in kept:
-            shown.append(_curves(label, cells, traces, known.get(label)))
-    return shown
+def time_series(of: Recorded) -> Curves:
+    """Energy, position, momentum, gap and distance from the truth of one scenario, as far as it has them."""
+    return Curves(of.scenario, tuple(_figures(of)) if of.motions else (), of.remark)
 
 
-def declared_restitution(known: Mapping[str, Scenario]) -> dict[str, float]:
-    """Label -> coefficient of restitution, of scenarios that declare one and the same for every pair."""
-    effects = {label: s.scene.effect(Restitution) for label, s in known.items()}
-    return {label: effect.coefficient for label, effect in effects.items() if effect and not effect.between}
+def _figures(of: Recorded) -> Iterator[Figure]:
+    if of.scene is None:
+        yield _travel(of)
+        return
+    moving = {e: Moving.of(of.scene, m.path) for e, m in of.motions.items()}
+    yield _energy(of, moving)
+    yield _travel(of)
+    yield _momentum(of, of.scene, moving)
+    yield from _gap(of, of.scene)
+    if of.truth is not None and of.true_path is not None:
+        yield _error(of, of.truth)
 
 
-def look_up(campaign: Campaign) -> dict[str, Scenario]:
-    """Scenarios of the catalogue that the campaign ran, in the version it ran; unknown labels are left out."""
-    from scenarios.catalogue import find
-
-    versions = {c.scenario: c.version for c in campaign.cells}
-    found = {}
-    for label, version in versions.items():
-        try:
-            candidates = find(label)
-        except ValueError:
-            continue  # a user's own scene, or one that has left the catalogue
-        found |= {s.name: s for s in candidates if s.name == label and s.version == version}
-    return found
-
-
-def _curves(
-    label: str, cells: Sequence[Cell], traces: Mapping[str, Trajectory | Run], known: Scenario | None
-) -> Curves:
-    motions, lost = {}, []
-    for cell in cells:
-        try:
-            motion, lead = _motion(traces[cell.key])
-        except (ArchiveError, OSError) as error:  # one lost recording must not cost the report
-            lost.append(f"{cell.engine} is not drawn: {error}")
-            continue
-        if len(motion):
-            motions[cell.engine] = (motion, lead)
-    return Curves(label, tuple(_figures(motions, known)) if motions else (), "; ".join(lost))
-
-
-def _figures(motions: Mapping[str, tuple[Trajectory, float]], known: Scenario | None) -> list[Figure]:
-    truth = None
-    if known is not None and known.truth is not None:
-        longest = max((m[0].t for m in motions.values()), key=len)
-        truth = known.truth(longest)
-    figures = [_travel(motions, truth, known)]
-    if known is not None:
-        figures.insert(0, _energy(motions, known))
-    return figures
-
-
-def _motion(trace: Trajectory | Run) -> tuple[Trajectory, float]:
-    """Trajectory and the time by which its positions run ahead of its velocities [s]."""
-    if isinstance(trace, Trajectory):
-        return trace, 0.0
-    found = trace.trajectory
-    return (found if found is not None else _nothing(), trace.lead)
-
-
-def _nothing() -> Trajectory:
-    none = np.zeros((0, 0, 3))
-    return Trajectory(np.zeros(0), none, np.zeros((0, 0, 4)), none, none)
-
-
-def _energy(motions: Mapping[str, tuple[Trajectory, float]], known: Scenario) -> Figure:
-    values = {e: _mechanical_energy(known, m, lead) for e, (m, lead) in motions.items()}
-    series = [_series(e, motions[e][0].t, values[e] - values[e][0]) for e in motions]
-    synchronised = any(lead for _, lead in motions.values())
+def _energy(of: Recorded, moving: Mapping[str, Moving]) -> Figure:
+    """Kinetic plus potential energy gained, positions carried back to the time of the velocities."""
+    values = {}
+    for engine, (path, lead) in of.motions.items():
+        own = moving[engine]
+        values[engine] = own.kinetic + potential_energy(own, path, lead, of.duration)
+    series = [_series(e, m.path.t, values[e] - values[e][0]) for e, m in of.motions.items()]
+    synchronised = any(m.lead for m in of.motions.values())
     title = "Energy gained since the start" + (", synchronised" if synchronised else "")
     size = max(float(np.abs(v).max()) for v in values.values())
-    return _figure(title, "E − E(0) [J]", series, least_span=1e-6 * size)
+    return _figure(of, title, Axis("E − E(0) [J]", least_span=1e-6 * size), series)
 
 
-def _mechanical_energy(known: Scenario, motion: Trajectory, lead: float) -> np.ndarray:
-    """Kinetic plus potential energy at every sample, positions carried back by `lead` [J]."""
-    from comparisons.energy import potential_energy
-    from comparisons.moving import Moving
-
-    moving = Moving.of(known.scene, motion)
-    return moving.kinetic + potential_energy(moving, motion, lead, known.duration)
-
-
-def _travel(
-    motions: Mapping[str, tuple[Trajectory, float]], truth: Trajectory | None, known: Scenario | None
-) -> Figure:
+def _travel(of: Recorded) -> Figure:
     """The coordinate that changes most, by the truth if there is one, else by the first engine."""
-    guide = truth if truth is not None and np.isfinite(truth.x).any() else next(iter(motions.values()))[0]
+    truth = of.true_path
+    guide = truth if truth is not None else next(iter(of.motions.values())).path
     span = np.nanmax(guide.x, axis=0) - np.nanmin(guide.x, axis=0)
     body, axis = np.unravel_index(int(np.nanargmax(span)), span.shape)
-    name = known.scene.names[body] if known is not None else f"body {body + 1}"
+    name = of.scene.names[body] if of.scene is not None else f"body {body + 1}"
     letter = "xyz"[axis]
-    series = [_series(e, m.t, m.x[:, body, axis]) for e, (m, _) in motions.items()]
+    series = [_series(e, m.path.t, m.path.x[:, body, axis]) for e, m in of.motions.items()]
     if truth is not None:
         series.insert(0, _series("", truth.t, truth.x[:, body, axis]))
     what = "Height" if letter == "z" else f"Position along {letter}"
-    return _figure(f"{what} of {name}", f"{letter} [m]", series)
+    return _figure(of, f"{what} of {name}", Axis(f"{letter} [m]"), series)
 
 
-def _figure(title: str, label: str, series: Sequence[Series], least_span: float = 0.0) -> Figure:
-    y = Axis(label, least_span=least_span)
-    return Figure(title, Axis("time [s]"), y, tuple(series), summary=f"{title} over time")
+def _momentum(of: Recorded, scene: Scene, moving: Mapping[str, Moving]) -> Figure:
+    """Linear momentum that no effect explains; if there is no such thing beyond rounding, the momentum itself."""
+    kept = conserved(scene, of.duration)
+    if len(kept.linear):
+        lost = {e: linear_deviation(m, kept) for e, m in moving.items()}
+        scale = max(linear_scale(m) for m in moving.values())
+        if max(float(v.max()) for v in lost.values()) > ROUNDING * scale:
+            series = [_series(e, m.path.t, np.maximum(lost[e], FLOOR)) for e, m in of.motions.items()]
+            axis = Axis("|Δp| [N s]", log=True, better="↓ better")
+            return _figure(of, "Momentum that no effect explains", axis, series)
+    series = [_series(e, m.path.t, np.linalg.norm(moving[e].momentum, axis=1)) for e, m in of.motions.items()]
+    return _figure(of, "Momentum of all bodies", Axis("|p| [kg m/s]"), series)
+
+
+def _gap(of: Recorded, scene: Scene) -> Iterator[Figure]:
+    """Minus the smallest gap of all pairs that may touch; none where that takes long or none can be measured."""
+    shapes = [b.shape for b in scene.bodies]
+    series = []
+    for engine, (path, _) in of.motions.items():
+        pairs = [p for p in close_pairs(scene, path) if not unmeasurable(shapes[p[0]], shapes[p[1]])]
+        if len(pairs) * len(path) > MOST_GAPS:
+            return
+        gaps = [bounded_gap(shapes[i], shapes[j], pose(path, i), pose(path, j)) for i, j in pairs]
+        if gaps:
+            series.append(_series(engine, path.t, np.maximum(-np.min(gaps, axis=0), FLOOR)))
+    if series:
+        yield _figure(of, "Deepest overlap of two bodies", Axis("− gap [m]", log=True, better="↓ better"), series)
+
+
+def _error(of: Recorded, truth: Truth) -> Figure:
+    """Largest distance of a centre of mass from its true place."""
+    series = []
+    for engine, (path, _) in of.motions.items():
+        off = np.linalg.norm(path.x - truth(path.t).x, axis=2)
+        known = ~np.isnan(off).all(axis=1)
+        far = np.full(len(off), np.nan)
+        far[known] = np.maximum(np.nanmax(off[known], axis=1), FLOOR)
+        series.append(_series(engine, path.t, far))
+    return _figure(of, "Distance from the truth", Axis("distance [m]", log=True, better="↓ better"), series)
+
+
+def _figure(of: Recorded, title: str, y: Axis, series: list[Series]) -> Figure:
+    x = Axis("time [s]", limits=(0.0, of.duration) if of.duration > 0.0 else None)
+    return Figure(title, x, y, tuple(series), summary=f"{title} over time")
 
 
 def _series(engine: str, t: np.ndarray, y: np.ndarray) -> Series:

@@ -22,6 +22,7 @@
   button.addEventListener("click", () => {
     const next = themes[(themes.indexOf(button.dataset.theme) + 1) % themes.length];
     show(next);
+    document.dispatchEvent(new Event("plumbline:theme"));
     store.set("plumbline-theme", next);
   });
 
@@ -46,10 +47,18 @@
   filter.form.addEventListener("submit", (event) => event.preventDefault());
 
   for (const box of all("[data-engine]")) {
-    const act = () => root.classList.toggle("hide-" + box.dataset.engine, !box.checked);
+    const act = () => {
+      root.classList.toggle("hide-" + box.dataset.engine, !box.checked);
+      const on = all("[data-engine]").filter((one) => one.checked).length, of = all("[data-engine]").length;
+      document.getElementById("amount").textContent = on === of ? of : `${on} of ${of}`;
+      document.dispatchEvent(new Event("plumbline:engines"));
+    };
     box.addEventListener("change", act);
     act();
   }
+  const engines = document.querySelector(".engines");
+  addEventListener("click", (event) => { if (engines && !engines.contains(event.target)) engines.open = false; });
+  addEventListener("keydown", (event) => { if (event.key === "Escape" && engines) engines.open = false; });
 
   for (const copy of all(".copy")) {
     copy.addEventListener("click", async () => {

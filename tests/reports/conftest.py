@@ -208,17 +208,41 @@ def hostile(campaign: Campaign) -> Campaign:
     )
 
 
+FLAGS = (
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--no-first-run",
+    "--disable-quic",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+
+
 @pytest.fixture(scope="session")
-def chromium():
-    """A headless Chromium, driven by playwright; tests that need one are skipped by name where there is none."""
+def chromium_launch():
+    """Starts a headless Chromium, driven by playwright; tests that need one are skipped by name where there is none."""
     api = pytest.importorskip("playwright.sync_api")
     path = os.environ.get("REPORT_CHROMIUM") or shutil.which("chromium") or shutil.which("google-chrome")
     if not path:
         pytest.skip("no Chromium on this machine (set REPORT_CHROMIUM to its path)")
-    flags = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-             "--no-first-run", "--disable-quic", "--disable-background-networking", "--disable-component-update",
-             "--disable-sync"]  # fmt: skip
     with api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, headless=True, args=flags)
-        yield browser
-        browser.close()
+        yield lambda flags: playwright.chromium.launch(executable_path=path, headless=True, args=list(flags))
+
+
+@pytest.fixture(scope="session")
+def chromium(chromium_launch):
+    """A headless Chromium with WebGL in software."""
+    browser = chromium_launch(FLAGS)
+    yield browser
+    browser.close()
+
+
+@pytest.fixture(scope="session")
+def chromium_without_webgl(chromium_launch):
+    """A headless Chromium that has no WebGL at all."""
+    browser = chromium_launch([*(f for f in FLAGS if "gl" not in f and "swiftshader" not in f), "--disable-3d-apis"])
+    yield browser
+    browser.close()

@@ -90,6 +90,7 @@ def test_a_verdict_leads_to_its_cell_even_if_it_is_filtered_out(visit):
 
 def test_engine_switch_acts_everywhere(visit):
     page = visit()
+    page.click(".engines > summary")
     shown = page.locator(".eng-pybullet-stock:visible").count()
     assert shown > 20
     page.uncheck("[data-engine=pybullet-stock]")
@@ -128,9 +129,9 @@ def test_header_row_stays_below_the_bar_on_a_wide_page(visit):
 
 def test_verdicts_tables_and_charts_need_no_script(visit):
     page = visit(java_script_enabled=False)
-    for selector in ("table.matrix", "#cost svg", "table.balance", "#motion svg", "#findings", "details.cell"):
+    for selector in ("table.matrix", "#cost svg", "table.balance", "#replay .still svg", "#findings", "details.cell"):
         assert page.locator(selector).first.is_visible(), selector
-    for selector in (".filter", ".switch", "#theme", ".copy"):
+    for selector in (".filter", ".engines", "#theme", ".copy", ".player"):
         assert page.locator(selector).first.is_hidden(), selector
     page.locator("details.cell summary").first.click()
     assert page.locator("details.cell .inside code").first.is_visible()
