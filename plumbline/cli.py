@@ -11,7 +11,7 @@ import click
 
 from plumbline.cli_gate import baseline, check
 from plumbline.cli_ladder import ladder
-from plumbline.cli_run import run
+from plumbline.cli_run import run, seconds
 from plumbline.command import as_json, harness, plug_in, register, usage
 
 CODES = """\b
@@ -147,11 +147,16 @@ def card(engines: tuple[str, ...], plugins: tuple[str, ...], json_: bool) -> int
 
 
 @cli.command()
+@click.option("--trial", callback=seconds, help="How long timings are tried.  [default: 3s]")
 @plug_in
 @as_json
-def doctor(plugins: tuple[str, ...], json_: bool) -> None:
-    """Look at this machine: versions, missing engines and how to install them, how far its timings can be trusted."""
+def doctor(trial: float | None, plugins: tuple[str, ...], json_: bool) -> None:
+    """Look at this machine: versions, missing engines and how to install them, how far its timings can be trusted.
+
+    The same work is timed against itself, and against a tenth more work, over and over: how often would a difference be
+    seen that is none, and how often one that is real?  A longer trial finds rarer disturbances.
+    """
     from plumbline import health
 
     register(plugins)
-    health.show(json_)
+    health.show(json_, trial)

@@ -301,16 +301,19 @@ def test_conform_survives_an_engine_that_does_not(command, tmp_path):
 
 
 def test_the_doctor_examines_the_machine(command, monkeypatch):
-    from plumbline import health
+    from plumbline import noise
 
-    monkeypatch.setattr(health, "REPEATS", 2)
-    monkeypatch.setattr(health, "INTERVALS", 10)
-    code, out, _ = command("doctor", "--json")
+    monkeypatch.setattr(noise, "LEAST", 2)
+    code, out, _ = command("doctor", "--trial", "0.1s", "--json")
     told = json.loads(out)
     assert code == 0
-    assert {"envelope", "mean", "contention"} <= set(told["noise"])
+    assert told["noise"]["trials"] >= 2
+    assert {"envelope of 3", "envelope of 9"} <= set(told["noise"]["statistics"])
     assert told["fingerprint"]["python"].startswith("CPython")
-    assert command("doctor")[1].count("toy") == 3
+    code, out, _ = command("doctor", "--trial", "0.1s")
+    assert code == 0
+    assert out.count("toy") == 3
+    assert "alarms at 5 %" in out
 
 
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
