@@ -241,7 +241,7 @@ def test_a_link_opens_the_moment_the_engines_and_the_view(watch):
     ]
     assert page.locator(".eng-mujoco:visible").count() == 0
     _slide(page, 700)
-    page.wait_for_function("location.hash.includes('t=0.700')")
+    page.wait_for_url("**t=0.700**")
     assert page.evaluate("new URLSearchParams(location.hash.slice(1)).get('engines')") == "reference,pybullet"
 
 
