@@ -7,6 +7,7 @@ functions run as plain Python.
 Numba on its own keeps compiled code as long as the file a function stands in is unchanged, and does not see
 that a function it calls, in another file, is another one now.  Here it is kept as long as the code of the
 function and of everything it refers to, however far down, is the same; only what has changed is compiled anew.
+Of several processes that need the same one compiles it, and the others wait and load.
 """
 
 from __future__ import annotations
@@ -14,18 +15,16 @@ from __future__ import annotations
 import functools
 import hashlib
 import math
-import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
 from numba import njit, types
 from numba.core import config
-from numba.core.caching import FunctionCache
-from numba.core.runtime import rtsys
 from numba.core.typing.typeof import typeof_impl
+
+from reference_impl.compiled_code import Kept, in_turn
 
 
 class Kernel:
@@ -60,6 +59,7 @@ class Kernel:
         dispatcher.get_call_template = functools.partial(_for_any_constant, dispatcher.get_call_template)
         dispatcher._cache = Kept(self.function)
         dispatcher._cache._cache_file._source_stamp = self.stamp()
+        dispatcher.compile = functools.partial(in_turn, dispatcher.compile, dispatcher._cache)
         return dispatcher
 
     def stamp(self) -> str:
@@ -76,55 +76,6 @@ class Kernel:
                     found.append(value)
                 digest.update(f"{name} {_said(value)}".encode())
         return digest.hexdigest()
-
-
-class Kept(FunctionCache):
-    """Compiled code on disk, which is loaded without making numba ready to compile.
-
-    Getting ready takes longer than loading does, and loaded code needs none of it but the memory of its arrays.
-    """
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """What numba keeps for the signature; None if it must be compiled."""
-        with _no_blas(), self._guard_against_spurious_io_errors():
-            rtsys.initialize(target_context)
-            found = self._load_overload(sig, target_context)
-            if found is None:
-                target_context.refresh()
-            else:
-                for environment in (found.environment, *found.referenced_envs):
-                    environment.consts[:] = [_the_one(value) for value in environment.consts]
-            return found
-        return None  # where the guard has swallowed an exception
-
-
-def _the_one(value: object) -> object:
-    """The one object that numpy has for a plain type of numbers, of which pickling makes copies.
-
-    Compiled code finds its constants by their place in a list, and numba looks by identity whether one is there
-    already.  Where a function is compiled in a process that has loaded one that calls it, a copy gave it a second
-    place, which the list of a third process lacks.
-    """
-    return np.dtype(value.str) if isinstance(value, np.dtype) and value.fields is None else value
-
-
-@contextmanager
-def _no_blas() -> Iterator[None]:
-    """Let numba not look for a BLAS within.
-
-    It does so by importing scipy.linalg, which takes as long as loading all kernels of a scene.  A kernel that
-    needs one has it imported when it runs; other users of numba in this process still get theirs.
-    """
-    if "scipy.linalg.cython_blas" in sys.modules or "numba.np.arraymath" in sys.modules:
-        yield
-        return
-    sys.modules["scipy.linalg.cython_blas"] = None  # type: ignore[assignment]  # "there is none"
-    try:
-        yield
-    finally:
-        del sys.modules["scipy.linalg.cython_blas"]
-        if "numba.np.arraymath" in sys.modules:
-            sys.modules["numba.np.arraymath"]._HAVE_BLAS = True  # type: ignore[attr-defined]
 
 
 kernel: Callable[[Any], Any] = (lambda function: function) if config.DISABLE_JIT else Kernel

@@ -132,3 +132,52 @@ def test_what_is_compiled_beside_a_loaded_caller_can_be_loaded_without(tmp_path,
         if turn == 0:
             (kept,) = (tmp_path / "__pycache__").glob("*twice*.nbi")
             kept.unlink()
+
+
+@compiled
+def test_of_processes_that_need_a_kernel_at_once_one_compiles_it(tmp_path):
+    """Each says how often it has compiled; without turns each would compile both functions."""
+    (tmp_path / "shared_kernels.py").write_text(
+        "import math\n\nfrom reference_impl.kernels import kernel\n\n"
+        "@kernel\ndef part(x):\n    return math.sin(x) + 1.0\n\n"
+        "@kernel\ndef whole(x):\n    s = 0.0\n    for i in range(10):\n        s += part(x + i)\n    return s\n"
+    )
+    program = (
+        f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n"
+        "from shared_kernels import part, whole\n"
+        "sys.stdin.readline()\n"
+        "whole(1.0)\n"
+        "print(sum(one.compiled.stats.cache_misses.total() for one in (part, whole)))\n"
+    )
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    started = [subprocess.Popen([sys.executable, "-c", program], **pipes) for _ in range(3)]
+    for one in started:
+        one.stdin.write("go\n")
+        one.stdin.flush()
+    said = [one.communicate(timeout=100)[0] for one in started]
+    assert sorted(said) == ["0\n", "0\n", "2\n"]
+
+
+@compiled
+def test_a_turn_ends_with_a_kernel_that_cannot_be_compiled(tmp_path):
+    def wrong(x):
+        return x.nothing
+
+    here = kernels.Kernel(wrong)
+    with pytest.raises(Exception, match="nothing"):
+        here(1.0)
+    turn = here.compiled._cache.turn
+    assert not turn.mine
+    turn.folder = str(tmp_path)
+    turn.take()
+    asks = (
+        "import fcntl, sys\n"
+        "file = open(sys.argv[1], 'ab')\n"
+        "try:\n    fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, int(sys.argv[2]))\n    print('free')\n"
+        "except BlockingIOError:\n    print('taken')\n"
+    )
+    words = [sys.executable, "-c", asks, str(tmp_path / "compiling.lock"), str(turn.byte)]
+    taken = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+    turn.end()
+    free = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+    assert (taken, free) == ("taken\n", "free\n")
