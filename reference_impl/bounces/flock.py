@@ -74,12 +74,12 @@ class Flock:
         self._tree(n)
         self._laws(world)
         s = world.search
-        self.figures, self.counts = np.zeros(loop.FIGURES), np.zeros(loop.COUNTS, dtype=np.int64)
-        self.figures[loop.CELL_SIZE], self.figures[loop.QUIET] = self.cell, s.speed
-        self.figures[loop.TOLERANCE], self.figures[loop.PARTING] = s.tolerance, s.parting
-        self.figures[loop.MOMENT] = RETURN_ALONE * world.scales.time
-        self.figures[loop.LAST] = LAST_ALONE * world.scales.time
-        self.figures[loop.SCALE] = world.scales.time
+        self.figures, self.counts = np.zeros(queue.FIGURES), np.zeros(queue.COUNTS, dtype=np.int64)
+        self.figures[queue.CELL_SIZE], self.figures[queue.QUIET] = self.cell, s.speed
+        self.figures[queue.TOLERANCE], self.figures[queue.PARTING] = s.tolerance, s.parting
+        self.figures[queue.MOMENT] = RETURN_ALONE * world.scales.time
+        self.figures[queue.LAST] = LAST_ALONE * world.scales.time
+        self.figures[queue.SCALE] = world.scales.time
         self.near, self.also = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
         self.desk, self.beside = np.empty((n + 1, 6)), np.empty((n + 1, 6))
         self.work, self.normal = np.empty((5, 6)), np.empty(3)
@@ -169,14 +169,14 @@ class Flock:
         f, audit, record = self.figures, world.audit, world.events
         if self.time != world.t:
             self.fresh[:] = True
-        f[loop.NOW], f[loop.NOW_REST], f[loop.DEEPEST], f[loop.RISE] = world.t, 0.0, audit.gap, audit.energy_rise
-        f[loop.IMBALANCE] = audit.imbalance
+        f[queue.NOW], f[queue.NOW_REST], f[queue.DEEPEST], f[queue.RISE] = world.t, 0.0, audit.gap, audit.energy_rise
+        f[queue.IMBALANCE] = audit.imbalance
         self.counts[:] = 0
         if self.fresh.any():
             self._take(world)
-        self.counts[loop.RECORDED] = len(record)
+        self.counts[queue.RECORDED] = len(record)
         end, turns = loop.PAUSED, 0
-        while end == loop.FULL or (end == loop.PAUSED and self.counts[loop.EVENTS] < events):
+        while end == loop.FULL or (end == loop.PAUSED and self.counts[queue.EVENTS] < events):
             if end == loop.FULL:
                 record.grow()
             end = self.kernel(
@@ -186,11 +186,11 @@ class Flock:
             )  # fmt: skip
             turns += TURNS
             if turns > CROSSINGS * (world.settings.events + TURNS):
-                raise Stalled("bodies in flight change cells for ever", float(f[loop.NOW]))
-        self._report(world, *self.counts[:2].tolist(), *f[[loop.DEEPEST, loop.RISE, loop.IMBALANCE]].tolist())
-        world.search.evaluations += int(self.counts[loop.SEARCHES])
-        met = () if end != loop.MEETING else (int(self.counts[loop.FIRST]), int(self.counts[loop.SECOND]))
-        self.time = self.seen = float(f[loop.NOW])
+                raise Stalled("bodies in flight change cells for ever", float(f[queue.NOW]))
+        self._report(world, *self.counts[:2].tolist(), *f[[queue.DEEPEST, queue.RISE, queue.IMBALANCE]].tolist())
+        world.search.evaluations += int(self.counts[queue.SEARCHES])
+        met = () if end != loop.MEETING else (int(self.counts[queue.FIRST]), int(self.counts[queue.SECOND]))
+        self.time = self.seen = float(f[queue.NOW])
         return self.time, met
 
     def _run_line(self, world: World, line: Line, limit: float, events: int) -> tuple[float, tuple[int, ...]]:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reference_impl.bounces.loop import DONE, FULL, MEETING, PAUSED, ROUNDING
+from reference_impl.bounces.loop import DONE, FULL, MEETING, PAUSED
+from reference_impl.bounces.meetings import ROUNDING
 from reference_impl.kernels import inlined, kernel
 from reference_impl.state import PLANE
 from reference_impl.world import STILL

@@ -30,6 +30,13 @@ CHANGED = 14  # motion that Python does not know yet
 BESIDE, ARRIVED = 15, 16  # bits: walls that the cell comes near to, and those of them that the cell before did not
 WHOLES = 17
 
+# columns of `figures`, of which there is one row for all: the time, and what the loop goes by and finds
+NOW, NOW_REST, CELL_SIZE, QUIET, TOLERANCE, PARTING, MOMENT, LAST, SCALE, DEEPEST, RISE, IMBALANCE = range(12)
+FIGURES = 12
+# columns of `counts`
+EVENTS, RECORDED, SEARCHES, FIRST, SECOND = range(5)
+COUNTS = 5
+
 NOBODY = -1
 BITS = 62  # walls for which there is a bit
 SLACK = 1e-3  # of the edge of a cell, by which a wall that is not near its cell is clear of a body

@@ -14,7 +14,7 @@ from mechanics.rotation import about, normalised
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
 from reference_impl import audit
-from reference_impl.bounces import line, loop, queue
+from reference_impl.bounces import exchange, line, queue
 from reference_impl.settings import Settings
 from reference_impl.simulate import advance, begin
 from reference_impl.world import STILL
@@ -121,14 +121,14 @@ def test_balls_on_a_line_keep_momentum_to_rounding():
 
 
 def bounced(push, twist):
-    """What `loop.imbalance` says of two spheres that got the impulses ±j of 1 N s along z and, wrongly, more."""
+    """What `exchange.imbalance` says of two spheres that got the impulses ±j of 1 N s along z and, wrongly, more."""
     real, whole = np.zeros((2, queue.REALS)), np.array([0.0, 0.0, 1.0])
     real[:, queue.LIGHT], real[:, queue.RADIUS], real[:, queue.TURN] = (1.0, 0.5), 0.5, 10.0
     was = np.array([[1.0, 2.0, -1.0, 0.1, 0.0, 0.2], [0.0, 1.0, 0.0, 0.0, 0.3, 0.0]])
     real[:, queue.L : queue.L + 3] = was[:, 3:] + np.array([[0.0, 0.0, 0.0], twist])
     at = np.zeros((2, 6))
     at[:, 3:] = was[:, :3] + np.array([whole, -0.5 * whole]) + np.array([[0.0, 0.0, 0.0], push])
-    return loop.imbalance(real, 0, 1, at[0], at[1], whole, whole, was)
+    return exchange.imbalance(real, 0, 1, at[0], at[1], whole, whole, was)
 
 
 def test_momentum_that_an_isolated_bounce_loses_is_seen():
