@@ -15,7 +15,7 @@ import numpy as np
 
 AGREE = 0.3  # slopes from rung to rung on one asymptotic stretch differ by no more than this
 LEAST = 3  # rungs of a stretch
-ROUNDING = 1e-11  # relative errors below are rounding, gathered over up to 1e5 steps; nothing is read from them
+ROUNDING = 1e-12  # relative errors below are rounding, gathered over up to 1e5 steps; nothing is read from them
 WORSE = 1.05  # growth of the error at which a finer rung is worse: less is the scatter of phases and samples
 FALLING = 0.1  # an error that falls more slowly than h to this power does not converge
 

@@ -12,6 +12,7 @@ import click
 from plumbline.cli_gate import baseline, check
 from plumbline.cli_ladder import ladder
 from plumbline.cli_run import run, seconds
+from plumbline.cli_sweep import advise, sweep
 from plumbline.command import as_json, harness, plug_in, register, usage
 
 CODES = """\b
@@ -61,6 +62,8 @@ cli.add_command(run)
 cli.add_command(ladder)
 cli.add_command(check)
 cli.add_command(baseline)
+cli.add_command(sweep)
+cli.add_command(advise)
 
 
 @cli.command("list")

@@ -21,8 +21,8 @@ from comparisons.regression import changes
 from plumbline import frontiers, published
 from plumbline.results import FAIL_ON, SENTENCES, Results
 from plumbline.run_folder import FolderError
-from reports.ladders import without_ladders
 from reports.regressions import chapters, lead_sentence, told
+from reports.suite import suite_of
 from reports.terminal import STYLES, show
 
 WIDE = 180  # columns
@@ -96,7 +96,7 @@ def finish(
     console = wide_console()
     if results.campaign.ladders:
         frontiers.show(frontiers.rows(results.campaign))
-    suite = without_ladders(results.campaign)
+    suite = suite_of(results.campaign)
     if found is None and (suite.cells or not results.campaign.ladders):
         show(suite, console)
         show_changes(results.campaign, console)

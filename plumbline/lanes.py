@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from plumbline.campaign import Options
 
 
+SITTING = 24  # cells that take turns: with more, as in a sweep, minutes would lie between two turns of the same cell
+
+
 class Answer(NamedTuple):
     """What came of a job."""
 
@@ -83,8 +86,8 @@ class Lanes:
         return jobs
 
     def _sitting(self, waiting: list[Job]) -> tuple[Job, ...]:
-        """All jobs on the scene of the first."""
-        return tuple(job for job in waiting if job.scenario.name == waiting[0].scenario.name)
+        """The jobs on the scene of the first, in the order of the plan, as many as take turns."""
+        return tuple(job for job in waiting if job.scenario.name == waiting[0].scenario.name)[:SITTING]
 
     def _single(self, waiting: list[Job]) -> tuple[Job, ...]:
         """The first job in the order of the plan whose engine is free."""

@@ -45,11 +45,11 @@ def write(
     """
     from reports import tables
     from reports.junit import junit
-    from reports.ladders import without_ladders
     from reports.markdown import markdown
     from reports.motion import motion
     from reports.page import page
     from reports.recorded import declared_restitution, look_up
+    from reports.suite import suite_of
 
     place = Path(folder)
     place.mkdir(parents=True, exist_ok=True)
@@ -57,7 +57,7 @@ def write(
         "index.html", "summary.md", "junit.xml", "measurements.csv", "measurements.parquet", "cells.csv"
     )}  # fmt: skip
     known = look_up(campaign) if known is None else known
-    suite = without_ladders(campaign)
+    suite = suite_of(campaign)
     html = page(campaign, motion(suite, traces or {}, known), declared_restitution(known))
     texts = {"index.html": html, "summary.md": markdown(campaign), "junit.xml": junit(suite)}
     for name, text in texts.items():

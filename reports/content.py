@@ -8,10 +8,11 @@ from functools import cached_property
 
 from comparisons.cell import Campaign
 from reports.drawing import marker_shape
-from reports.ladders import without_ladders
+from reports.frontier import Accuracy
 from reports.matrix import Matrix, matrix
 from reports.motion import Shown
 from reports.palette import base, profile, slug
+from reports.suite import suite_of
 from reports.verdict import engines
 
 
@@ -38,16 +39,19 @@ class Content:
         Of recorded motions.
     asked : mapping
         Scenario -> coefficient of restitution it declares.
+    frontier : Accuracy
+        What a sweep says of accuracy against time.
     """
 
     campaign: Campaign
     motion: Shown = field(default_factory=Shown)
     asked: Mapping[str, float] = field(default_factory=dict)
+    frontier: Accuracy = field(default_factory=Accuracy)
 
     @cached_property
     def suite(self) -> Campaign:
-        """The campaign without the cells that were only steps on a ladder."""
-        return without_ladders(self.campaign)
+        """The campaign without steps on ladders and points of a sweep."""
+        return suite_of(self.campaign)
 
     @cached_property
     def matrix(self) -> Matrix:

@@ -11,11 +11,10 @@ from dataclasses import dataclass
 from html import escape
 from importlib.resources import files
 
-from reports.figures import Axis, Figure, Series, front
+from comparisons.pareto import FLOOR, front
+from reports.figures import Axis, Figure, Series
 from reports.numbers import power_of_ten, short
 from reports.palette import MARKERS, css, look, slug
-
-FLOOR = 1e-16  # on logarithmic axes smaller values, and zero, are drawn here: nothing in float64 is finer
 
 
 @dataclass(frozen=True)
@@ -81,7 +80,7 @@ def svg(figure: Figure, width: float = 400.0, height: float = 236.0, standalone:
         parts.append(f"<style>{style}</style>")
         parts.append(f'<rect class="paper" width="{width:g}" height="{height:g}"/>')
         parts.append(f'<text class="title" x="{LEFT:g}" y="18">{escape(figure.title)}</text>')
-    parts += _grid(figure, frame)
+    parts += _grid(figure, frame) + _marks(figure, frame)
     if figure.front:
         parts.append(_front(figure, frame))
     drawn = sorted(figure.series, key=lambda s: bool(s.engine))
@@ -108,7 +107,7 @@ def asset(name: str) -> str:
 
 def _framed(figure: Figure, width: float, height: float, head: float) -> _Frame:
     x_values = [x for s in figure.series for x, y in zip(s.x, s.y, strict=True) if not math.isnan(y)]
-    y_values = [y for s in figure.series for y in s.y]
+    y_values = [y for s in figure.series for y in (*s.y, *s.low)]
     if figure.guide:
         y_values.append(figure.guide[0])
     x_least, x_most = _range(figure.x, x_values)
@@ -170,6 +169,21 @@ def _grid(figure: Figure, frame: _Frame) -> list[str]:
     return parts
 
 
+def _marks(figure: Figure, frame: _Frame) -> list[str]:
+    """Thin lines of reference with their labels, as far as they lie in the plot."""
+    x, y, parts = frame.x, frame.y, []
+    for axis, value, label in figure.marks:
+        scale = x if axis == "x" else y
+        if not scale.least <= value <= scale.most:
+            continue
+        at = scale(value)
+        line = f"M{at:.1f} {y.start:g}V{y.end:g}" if axis == "x" else f"M{x.start:g} {at:.1f}H{x.end:g}"
+        place = f'x="{at - 3:.1f}" y="{y.end + 9:.1f}"' if axis == "x" else f'x="{x.end - 4:g}" y="{at - 3:.1f}"'
+        parts.append(f'<path class="guide" d="{line}"/>')
+        parts.append(f'<text class="tick over" {place} text-anchor="end">{escape(label)}</text>')
+    return parts
+
+
 def _named(axis: Axis) -> str:
     return escape(f"{axis.label} ({axis.better})" if axis.better else axis.label)
 
@@ -194,7 +208,7 @@ def _drawn(one: Series, frame: _Frame, breadth: float) -> str:
     points = [(frame.x(x), frame.y(y)) if not math.isnan(y) else None for x, y in zip(one.x, one.y, strict=True)]
     kind = f"eng-{slug(one.engine)}" if one.engine else "truth"
     dash = look(one.engine).dash if one.engine else ""
-    parts = []
+    parts = [_band(one, frame)] if one.low else []
     if one.joined:
         dashed = f' stroke-dasharray="{dash}"' if dash else ""
         broad = f' style="stroke-width:{breadth:.1f}"' if one.engine else ""
@@ -203,6 +217,14 @@ def _drawn(one: Series, frame: _Frame, breadth: float) -> str:
         tips = one.tips or [""] * len(points)
         parts += [_marker(one.engine, p, tip) for p, tip in zip(points, tips, strict=True) if p]
     return f'<g class="{kind}">{"".join(parts)}</g>'
+
+
+def _band(one: Series, frame: _Frame) -> str:
+    """Area between the lower ends and the line, where both are known."""
+    known = [(x, low, y) for x, low, y in zip(one.x, one.low, one.y, strict=True) if math.isfinite(low + y)]
+    upper = [f"{frame.x(x):.1f} {frame.y(y):.1f}" for x, _, y in known]
+    lower = [f"{frame.x(x):.1f} {frame.y(low):.1f}" for x, low, _ in reversed(known)]
+    return f'<path class="band" d="M{"L".join(upper + lower)}Z"/>' if known else ""
 
 
 def _path(points: Sequence[tuple[float, float] | None]) -> str:
@@ -241,7 +263,7 @@ def _labels(figure: Figure, frame: _Frame) -> list[str]:
     ends = []
     for one in figure.series:
         known = [(x, y) for x, y in zip(one.x, one.y, strict=True) if not math.isnan(y)]
-        if known:
+        if known and one.label is not None:
             ends.append((frame.y(known[-1][1]), frame.x(known[-1][0]), one))
     ends.sort(key=lambda e: (e[0], e[1]))
     places = spread([e[0] for e in ends], 13.0, frame.y.end + 3.0, frame.y.start)

@@ -49,8 +49,10 @@ class Series:
         Whether each point gets a marker.
     tips : sequence of str
         What each point says when pointed at; empty, or one per point.
-    label : str
-        Direct label; "" is the engine's name.
+    label : str or None
+        Direct label; "" is the engine's name, None is none (of several series of one engine, all but the first).
+    low : sequence of float
+        Lower end of a band that reaches up to `y`, drawn behind the line; empty for none.
     """
 
     engine: str
@@ -59,7 +61,8 @@ class Series:
     joined: bool = False
     marked: bool = True
     tips: Sequence[str] = ()
-    label: str = ""
+    label: str | None = ""
+    low: Sequence[float] = ()
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,8 @@ class Figure:
     title, x, y, series
     guide : (value of y, label) or None
         A horizontal line of reference; what lies below is shaded as good.
+    marks : tuple of ("x" or "y", value, label)
+        Thin lines of reference besides; those outside the plot are left out.
     front : bool
         Whether to draw the Pareto front: nothing measured is lower in both x and y.
     summary : str
@@ -82,14 +87,6 @@ class Figure:
     y: Axis
     series: tuple[Series, ...]
     guide: tuple[float, str] | None = None
+    marks: tuple[tuple[str, float, str], ...] = ()
     front: bool = False
     summary: str = ""
-
-
-def front(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Points that no other equals or betters in both x and y, from left to right."""
-    kept: list[tuple[float, float]] = []
-    for x, y in sorted(points):
-        if not kept or y < kept[-1][1]:
-            kept.append((x, y))
-    return kept

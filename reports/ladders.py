@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from html import escape
 from typing import Any
 
@@ -68,12 +68,6 @@ def chapters(campaign: Campaign) -> tuple[Chapter, ...]:
         for name, told in campaign.ladders.items()
         if (own := tuple(c for c in done if c.ladder == name))
     )
-
-
-def without_ladders(campaign: Campaign) -> Campaign:
-    """The campaign without the cells that were only steps on a ladder."""
-    steps = {key for told in campaign.ladders.values() for tries in told["climbs"].values() for _, key in tries}
-    return replace(campaign, cells=tuple(c for c in campaign.cells if c.key not in steps))
 
 
 def glyph(word: str) -> str:

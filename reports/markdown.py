@@ -5,16 +5,24 @@ from __future__ import annotations
 import re
 
 from comparisons.cell import Campaign
+from comparisons.frontier import TARGETS
 from comparisons.regression import changes
 from reports.card import at_stake
 from reports.findings import findings
+from reports.frontier import ADVISED, BADGE, BUDGETS, accuracy, advice_text, share_text
 from reports.matrix import Entry, matrix
-from reports.numbers import count
+from reports.numbers import count, short
 from reports.regressions import chapters
 from reports.regressions import lead_sentence as baseline_sentence
 from reports.standing import groups, lead_sentence
+from reports.suite import without_sweep
 from reports.verdict import LEGEND, RED, case_name, totals
 
+ACCURACY = (
+    "CPU milliseconds per simulated second to come down to a relative place error (how far any point of a body is "
+    "from its true place, over the length of the motion), between measured settings, never extrapolated. Times are "
+    f"of one machine: read ratios. {BADGE}: disturbed timing. Advice is for an error of {short(ADVISED)}."
+)
 LIMIT = 1_000_000  # bytes; GitHub cuts a job summary off at 1 MiB
 
 
@@ -24,10 +32,12 @@ def markdown(campaign: Campaign, limit: int = LIMIT) -> str:
     What does not fit is left out line by line from the end of the longest parts, and the text says what
     and how much.
     """
+    whole, campaign = campaign, without_sweep(campaign)
     head, table = _head(campaign), _table(campaign)
     parts = [
         ("changes against the baseline", _baseline(campaign)),
         ("verdict rows", table),
+        ("accuracy against time", _accuracy(whole)),
         ("read-back cards", _card(campaign)),
         ("findings", _findings(campaign)),
         ("reproduce lines", _reproduce(campaign)),
@@ -106,6 +116,29 @@ def _baseline(campaign: Campaign) -> list[str]:
         lines += [f"- **{plain(n.engine)}** on {plain(n.scenario)}: {plain(n.sentence)}" for n in chapter.lines]
         lines.append("")
     return lines
+
+
+def _accuracy(campaign: Campaign) -> list[str]:
+    """Shares, time to reach each error, and advice, of a campaign that swept knobs."""
+    told = accuracy(campaign)
+    if not told.sections:
+        return []
+    lines = ["## What accuracy costs in time", "", ACCURACY, ""]
+    lines += _rows(["share reached within", *(f"{short(b)} ms/s" for b in BUDGETS), "scenarios refused"],
+                   [[s.engine, *(share_text(s, b) for b in BUDGETS), str(s.refused)] for s in told.shares])  # fmt: skip
+    for section in told.sections:
+        rows = [[r.engine, *(f"{e.glyph} {e.text}" for e in r.entries), r.order,
+                 "; ".join(filter(None, (r.alarm, r.failures)))] for r in section.rows]  # fmt: skip
+        lines += [f"### {plain(section.scenario)}", ""]
+        lines += _rows(["engine", *(short(t) for t in TARGETS), "order", "alarms"], rows)
+        lines += [f"{plain(' '.join(advice_text(section.advice)))}", ""]
+    return lines
+
+
+def _rows(head: list[str], rows: list[list[str]]) -> list[str]:
+    """A Markdown table."""
+    told = ["| " + " | ".join(plain(text) for text in row) + " |" for row in (head, *rows)]
+    return [told[0], "|" + "---|" * len(head), *told[1:], ""]
 
 
 def _card(campaign: Campaign) -> list[str]:

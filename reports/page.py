@@ -9,9 +9,11 @@ from hashlib import sha256
 from comparisons.cell import Campaign
 from reports.content import Content
 from reports.drawing import asset
+from reports.frontier import accuracy
 from reports.motion import Shown
 from reports.palette import css
 from reports.sections import environment, rendered
+from reports.suite import without_sweep
 
 SCRIPTS = ("page.js", *(f"player/{name}.js" for name in ("blocks", "meshes", "camera", "webgl", "canvas", "player")))
 STYLES = ("figure.css", "page.css", "player.css")
@@ -31,7 +33,7 @@ def page(
     asked : mapping, optional
         Scenario -> coefficient of restitution it declares.
     """
-    content = Content(campaign, motion or Shown(), asked or {})
+    content = Content(without_sweep(campaign), motion or Shown(), asked or {}, accuracy(campaign))
     script = "".join(map(asset, SCRIPTS))
     return (
         environment()

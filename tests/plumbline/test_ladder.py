@@ -8,7 +8,8 @@ from plumbline.campaign import Execution, Options, Silence
 from plumbline.cli import main
 from plumbline.climbing import Climbers
 from plumbline.results import Results
-from reports.ladders import climbs, without_ladders
+from reports.ladders import climbs
+from reports.suite import without_ladders
 from scenarios.ladder import Ladder
 
 SHORT = (

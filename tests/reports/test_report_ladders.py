@@ -6,8 +6,9 @@ import pytest
 
 from comparisons.cell import Campaign, Cell
 from comparisons.measurement import Measurement
-from reports.ladders import chapters, climbs, glyph, without_ladders
+from reports.ladders import chapters, climbs, glyph
 from reports.page import page
+from reports.suite import without_ladders
 
 WAYS = {"reference": "", "mujoco": "sank", "pybullet": "crash", "pymunk": "timeout", "pymunk:stock": "refused"}
 

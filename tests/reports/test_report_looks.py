@@ -11,9 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from comparisons.pareto import front
 from reports.charts import cost_figures
 from reports.drawing import asset, spread, svg
-from reports.figures import Axis, Figure, Series, front
+from reports.figures import Axis, Figure, Series
 from reports.palette import HOUSE, MARKERS, THEMES, TONES, contrast, css, look, slug
 from reports.series import extremes
 
