@@ -63,7 +63,8 @@ def judge(scenario: Scenario, run: Run) -> Judgement:
 
     A run that broke is measured as far as it got, and nothing is demanded of it.  A demanded quantity
     that cannot be computed, where none fails by measurement, makes the state "error" at the stage
-    "judge": a fault of the house, never charged to the engine.
+    "judge": a fault of the house, never charged to the engine.  A scene of which nothing is demanded
+    and whose motion needs an effect that it does not declare is an error, too, with effect, bodies and time.
     """
     motion, broken = _sound(run)
     if isinstance(run.outcome, Refusal):
@@ -74,6 +75,9 @@ def judge(scenario: Scenario, run: Run) -> Judgement:
     checks = {check.quantity: check for check in scenario.checks}
     rows = [_judged(q, checks.get(q.name)) for q in quantities]
     rows += [_missing(check) for name, check in checks.items() if name not in {q.name for q in quantities}]
+    lacking = next((row.text for row in rows if row.quantity == "undeclared effects" and row.value > 0.0), "")
+    if lacking and not checks:  # what demands something is known to declare what it needs
+        return Judgement(tuple(rows), "error", "advance", lacking)
     return Judgement(tuple(rows), *verdict(rows))
 
 

@@ -52,6 +52,8 @@ class Impacts:
 
     Attributes
     ----------
+    bodies : tuple of str
+        Names of the pair.
     time : (K,) array [s]
     e : (K,) array
         Effective coefficient of restitution.
@@ -65,6 +67,7 @@ class Impacts:
         How many could not be measured.
     """
 
+    bodies: tuple[str, str]
     time: np.ndarray
     e: np.ndarray
     error: np.ndarray
@@ -237,7 +240,8 @@ def _measured(pair: _Pair, crowd: _Crowd, step: float) -> Impacts:
     good[good] = _alone(pair, crowd, first[good], last[good], normal[good])
     e = (after - gain * free * (span - s)) / np.where(speed > 0.0, speed, 1.0)
     rows = ((t[first] + s)[good], e[good], np.abs(e - asked)[good], speed[good], (speed > limit)[good])
-    return Impacts(*rows, int(np.count_nonzero((speed > 0.0) & ~good)))
+    names = pair.scene.names[pair.a], pair.scene.names[pair.b]
+    return Impacts(names, *rows, int(np.count_nonzero((speed > 0.0) & ~good)))
 
 
 def _meeting(pair: _Pair, first: np.ndarray, last: np.ndarray, span: np.ndarray, free: np.ndarray) -> np.ndarray:
@@ -250,10 +254,11 @@ def _meeting(pair: _Pair, first: np.ndarray, last: np.ndarray, span: np.ndarray,
     jump = pair.w[last] - pair.w[first] - carried
     apart = pair.r[last] - span[:, None] * pair.w[last] + 0.5 * span[:, None] * carried - pair.r[first]
     b = np.linalg.norm(jump, axis=1)
-    towards = jump / b[:, None]
+    towards = jump / np.where(b > 0.0, b, 1.0)[:, None]
     c = np.einsum("ki,ki->k", towards, apart)
     quadratic = np.where(free, 0.0, -0.5 * (towards @ pair.acceleration))
-    return np.asarray(-2.0 * c / (b + np.sqrt(np.maximum(b * b - 4.0 * quadratic * c, 0.0))))
+    spread = b + np.sqrt(np.maximum(b * b - 4.0 * quadratic * c, 0.0))
+    return np.where(b > 0.0, -2.0 * c / np.where(b > 0.0, spread, 1.0), np.nan)  # no jump, no meeting
 
 
 def _windows(pair: _Pair) -> tuple[np.ndarray, np.ndarray]:

@@ -17,9 +17,9 @@ from typing import TypeVar
 import numpy as np
 
 from mechanics.arrays import Mat33, SceneError, Triple, Vec3, frozen, real, reals
-from mechanics.effects import CONTACT_EFFECTS, Effect, Friction, Gravity, Hinge, Restitution, Rod, Rotation
+from mechanics.effects import CONTACT_EFFECTS, Effect, Force, Friction, Gravity, Hinge, Restitution, Rod, Rotation
 from mechanics.inertia import check_inertia, mass_properties
-from mechanics.rotation import IDENTITY
+from mechanics.rotation import IDENTITY, rotate
 from mechanics.shapes import SHAPES, HalfSpace, Mesh, Shape, Sphere
 from mechanics.trajectory import State
 
@@ -240,6 +240,16 @@ class Scene:
         """Coefficient of friction of bodies i and j; 0 where Friction is not declared."""
         effect = self.effect(Friction)
         return effect.of(self.names[i], self.names[j]) if effect else 0.0
+
+    def moment(self, force: Force) -> Vec3:
+        """Moment of `force` about the centre of its body as that is turned at the start, world frame [N m].
+
+        Without Rotation it stays so.  In line with the centre it is zero, not the rounding of a product.
+        """
+        arm, push = rotate(np.array(self.body(force.body).orientation), np.array(force.point)), np.array(force.force)
+        turning = np.cross(arm, push)
+        turning[np.abs(turning) <= 1e-15 * np.linalg.norm(arm) * np.linalg.norm(push)] = 0.0
+        return frozen(turning + np.array(force.torque))
 
     def start(self) -> State:
         """The state at t = 0, in scene order."""

@@ -28,6 +28,7 @@ from reference_impl.collide.detect import COARSE, Detector, Search, kinematics, 
 from reference_impl.effects import tether
 from reference_impl.errors import Overlap, Stalled
 from reference_impl.links import Links
+from reference_impl.moments import require_rotation
 from reference_impl.settings import Settings
 from reference_impl.settle import settle
 from reference_impl.state import Bodies, bodies_of, motion_of
@@ -67,7 +68,7 @@ def begin(scene: Scene, settings: Settings | None = None, table: Table = IMPULSE
 
     Raises
     ------
-    Unsupported, Overlap
+    Unsupported, MissingEffect, Overlap
         As in `simulate`.
     """
     settings = settings or Settings()
@@ -84,6 +85,7 @@ def begin(scene: Scene, settings: Settings | None = None, table: Table = IMPULSE
     links = Links.of(parts, bodies.inverse_mass > 0.0)
     world = World(scene, settings, parts, bodies, unloaded, motion_of(scene, bodies), scales, detector, search, links)
     _refuse_overlap(world)
+    require_rotation(world)
     for i in range(len(scene.bodies)):
         world.launch(i)
     if suits(world):
@@ -166,6 +168,7 @@ def _switch(world: World) -> None:
     """The loads change now: every body starts a new flight, and every contact is looked at again."""
     everything = np.ones(len(world.dirty), dtype=bool)
     world.bodies = world.detector.bodies = world.parts.loaded(world.unloaded, world.t)
+    require_rotation(world)
     world.energy[:] = np.nan  # of other loads
     world.mode[:] = 0
     for i in range(len(world.dirty)):
