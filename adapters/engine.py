@@ -177,8 +177,10 @@ class Clock:
         """Number of steps to take now."""
         self.target += duration
         due = round(self.target / self.dt) - self.count
-        self.count += max(due, 0)
-        return max(due, 0)
+        if due <= 0:
+            return 0
+        self.count += due
+        return due
 
     @property
     def time(self) -> float:

@@ -175,7 +175,8 @@ class MuJoCo(Configured):
         bodies = [self._number(model, "mjOBJ_BODY", f"body{i}") for i in range(len(scene.bodies))]
         joints = [self._number(model, "mjOBJ_JOINT", f"joint{i}") for i in range(len(scene.bodies))]
         clock = Clock(float(settings["dt"]))
-        world = World(scene, model, data, clock, draft.turns, bool(draft.hinges), bodies, joints)
+        heard = mj.get_mju_user_warning()
+        world = World(scene, model, data, clock, draft.turns, bool(draft.hinges), bodies, joints, heard)
         self._set_motion(world, draft)
         self._set_loads(world, draft)
         return world
@@ -227,20 +228,16 @@ class MuJoCo(Configured):
         Diverged
             If MuJoCo warned.
         """
-        mj, model, data, clock = self._mujoco, world.model, world.data, world.clock
-        steps = clock.steps(duration)
+        mj, steps = self._mujoco, world.clock.steps(duration)
         if not steps:
             return
-        # the stock handler writes a log file into the working directory
-        handler = mj.get_mju_user_warning()
-        mj.set_mju_user_warning(world.warnings.append)
-        try:
-            if not world.pushes:
-                mj.mj_step(model, data, nstep=steps)
-            else:
-                self._step_pushed(world, steps)
-        finally:
-            mj.set_mju_user_warning(handler)
+        # the stock handler writes a log file into the working directory; which world hears is one for the process
+        if mj.get_mju_user_warning() is not world.hear:
+            mj.set_mju_user_warning(world.hear)
+        if not world.pushes:
+            mj.mj_step(world.model, world.data, nstep=steps)
+        else:
+            self._step_pushed(world, steps)
         if world.warnings:
             raise Diverged(world.warnings[0])
 
@@ -253,6 +250,11 @@ class MuJoCo(Configured):
             for push in world.pushes:
                 push(k * clock.dt)
             self._mujoco.mj_step(world.model, world.data)
+
+    def close(self, world: World) -> None:
+        """Let warnings go where they went before the world moved."""
+        if self._mujoco.get_mju_user_warning() is world.hear:
+            self._mujoco.set_mju_user_warning(world.before)
 
     def read(self, world: World) -> State:
         """State in scene order, world frame; read from qpos and qvel, because MuJoCo's Cartesian data lag a step."""

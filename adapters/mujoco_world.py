@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
@@ -17,7 +18,10 @@ from mechanics.scene import Scene
 
 @dataclass
 class World:
-    """A compiled model with its data; `joints` and `bodies` are MuJoCo's numbers in scene order (-1: none)."""
+    """A compiled model with its data; `joints` and `bodies` are MuJoCo's numbers in scene order (-1: none).
+
+    `hear` takes MuJoCo's warnings while the world moves, as `before` did when it was made.
+    """
 
     scene: Scene
     model: Any
@@ -27,8 +31,12 @@ class World:
     hinged: bool
     bodies: list[int]
     joints: list[int]
+    before: Callable[[str], None] | None
     pushes: list[Push] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.hear = self.warnings.append  # one object: MuJoCo says which one listens
 
 
 @dataclass(frozen=True)

@@ -206,13 +206,19 @@ def run(
     times: Sequence[float],
     settings: Settings | None = None,
     repeats: int = 1,
-    until: Callable[[State], bool] = lambda _: False,
+    sampled: bool = True,
+    until: Callable[[State], bool] | None = None,
 ) -> Run:
     """Run `scene` in `engine`, recording the state at `times` [s], or only up to the first for which `until` holds.
 
     With more than one repeat a warm-up precedes them and is discarded; each repeat is built anew,
     because only a rebuilt world is the same world in every engine.  A run whose warm-up takes longer
     than `LONG` is not repeated, and says so.
+
+    Parameters
+    ----------
+    sampled : bool
+        Whether the state is read at all times, or only at the first and the last, where `until` does not look at it.
 
     Raises
     ------
@@ -223,30 +229,32 @@ def run(
     chosen = checked_settings(engine, settings)
     ahead = lead(engine, settled(engine, chosen, scene))
     blank = Run(engine.name, engine.version, dict(chosen), Failure("error", "build", 0.0, ""), lead=ahead)
-    return in_turns([partial(_attempt, engine, scene, times, chosen, blank, until)], repeats)[0]
+    return in_turns([partial(_attempt, engine, scene, times, chosen, blank, until)], repeats, sampled)[0]
 
 
-def in_turns(cells: Sequence[Callable[[], Run]], repeats: int = 1) -> list[Run]:
+def in_turns(cells: Sequence[Callable[[bool], Run]], repeats: int = 1, sampled: bool = True) -> list[Run]:
     """Runs of several cells in one sitting; with more than one repeat they are timed in turns, A B B A.
 
     Whatever slows the machine down for a while then slows all of them, and none is favoured by its place.  Everything
     runs once first: that is the motion that is kept, and it warms up.  What broke in it, or took longer than `LONG`, is
-    not run again.
+    not run again.  When it is timed, states are not read on the way: between two reads the caches are the engine's.
 
     Parameters
     ----------
     cells : sequence of functions
-        Each runs its cell once; the timing of what it returns has one row.
+        Each runs its cell once, with states read at every sample or not; the timing of what it returns has one row.
     repeats : int
+    sampled : bool
+        Whether the first run is read at every sample.
     """
-    first = [cell() for cell in cells]
+    first = [cell(sampled) for cell in cells]
     if repeats <= 1:
         return first
     timed: dict[int, list[Run]] = {k: [] for k, run in enumerate(first) if _is_short(run)}
     for turn in range(repeats):
         for k in sorted(timed, reverse=turn % 2 == 0):
             if not timed[k] or _is_whole(timed[k][-1]):  # after a run that broke none is risked
-                run = cells[k]()  # of what ended well the motion is there already
+                run = cells[k](False)  # of what ended well the motion is there already
                 timed[k].append(replace(run, outcome=first[k].outcome) if _is_whole(run) else run)
     return [_timed(run, timed[k]) if k in timed else _untimed(run) for k, run in enumerate(first)]
 
@@ -281,7 +289,8 @@ def _attempt(
     times: np.ndarray,
     settings: Settings,
     blank: Run,
-    until: Callable[[State], bool],
+    until: Callable[[State], bool] | None,
+    sampled: bool,
 ) -> Run:
     """One run from draft to last sample."""
     said: dict[str, Any] = {}
@@ -296,9 +305,9 @@ def _attempt(
         stage[0] = "start"
         world = engine.start(draft, settings)
         said["build_seconds"] = time.perf_counter() - begun
-        for state in _samples(engine, world, times, stage, wall, cpu):
+        for state in _samples(engine, world, times, sampled or until is not None, stage, wall, cpu):
             states.append(state)
-            if until(state):
+            if until is not None and until(state):
                 break
         said |= _spoken(engine, world)
         outcome: Trajectory | Refusal | Failure = Trajectory.of(states)
@@ -319,7 +328,7 @@ def _attempt(
 
 
 def _samples(
-    engine: Engine, world: Any, times: np.ndarray, stage: list[str], wall: list[int], cpu: list[int]
+    engine: Engine, world: Any, times: np.ndarray, sampled: bool, stage: list[str], wall: list[int], cpu: list[int]
 ) -> Iterator[State]:
     stage[0] = "read"
     yield engine.read(world)
@@ -330,6 +339,8 @@ def _samples(
             engine.advance(world, interval)
             wall.append(time.perf_counter_ns() - before)
             cpu[0] += time.thread_time_ns() - cpu_before
+            if not sampled and len(wall) < len(times) - 1:
+                continue
             stage[0] = "read"
             state = engine.read(world)
             if not (np.isfinite(state.x).all() and np.isfinite(state.v).all()

@@ -78,6 +78,7 @@ class Workers:
         repeats: int = 1,
         timeout: float = TIMEOUT,
         patience: float = 1.0,
+        sampled: bool = True,
     ) -> Run:
         """As `adapters.run.run`, in the engine's own process; whatever ends that process ends as a Run, too.
 
@@ -96,7 +97,7 @@ class Workers:
         Unavailable, UnknownName
             If there is no such engine here.
         """
-        return self._worker(engine).run(scene, times, settings, repeats, timeout, patience)
+        return self._worker(engine).run(scene, times, settings, repeats, timeout, patience, sampled)
 
     def check(self, engine: str, timeout: float = TIMEOUT) -> tuple[Law, ...] | Failure:
         """As `adapters.conformance.check_engine`, in the engine's own process; a Failure if it did not survive.
@@ -163,9 +164,10 @@ class Worker:
         repeats: int,
         timeout: float,
         patience: float = 1.0,
+        sampled: bool = True,
     ) -> Run:
         """Run one job; see `Workers.run`."""
-        chosen, sampled = checked_settings(self._engine, settings), checked_times(times)
+        chosen, at = checked_settings(self._engine, settings), checked_times(times)
         blank = Run(
             self._engine.name,
             self._engine.version,
@@ -175,7 +177,7 @@ class Worker:
         )
         with self._busy:
             try:
-                answer = self._do("run", (scene, sampled, chosen, repeats), timeout, patience)
+                answer = self._do("run", (scene, at, chosen, repeats, sampled), timeout, patience)
                 if not isinstance(answer, Run):
                     raise _Broken("error", answer)
             except _Broken as broken:

@@ -128,13 +128,14 @@ class _Turns:
         self._workers, self._job, self._options = workers, job, options
         self.seconds = 0.0
 
-    def __call__(self, delay: float = 0.0) -> Run:
+    def __call__(self, sampled: bool = True, delay: float = 0.0) -> Run:
         job, options = self._job, self._options
         times = sample_times(job.scenario.duration, job.scenario.sampling)
         begun = time.monotonic()
         try:
             scene = later(job.scenario, delay).scene
-            return self._workers.run(job.engine, scene, times, job.settings, 1, options.timeout, options.patience)
+            limits = options.timeout, options.patience
+            return self._workers.run(job.engine, scene, times, job.settings, 1, *limits, sampled)
         except Exception as error:  # an adapter may raise outside of its process, too: when asked for its lead
             failure = Failure("error", "start", 0.0, f"{type(error).__name__}: {error}")
             return Run(job.engine, job.version, dict(job.settings), failure)
@@ -148,5 +149,5 @@ class _Turns:
         runs = [run]
         for delay in delays(self._job.scenario, self._options.phases, step_of(self._job.settings))[1:]:
             broken = not isinstance(runs[-1].outcome, Trajectory)
-            runs.append(replace(runs[-1], partial=None) if broken else self(delay))
+            runs.append(replace(runs[-1], partial=None) if broken else self(delay=delay))
         return tuple(runs[1:])

@@ -1,7 +1,5 @@
 """Cells that are compared are timed in turns, A B B A, and what one of them does is its own affair."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 
@@ -20,10 +18,10 @@ def cell(toys):
     """A function name -> cell that notes its turns; `breaks_at` is the turn in which it breaks."""
 
     def make(name, order, breaks_at=None):
-        def once():
+        def once(sampled):
             order.append(name)
             engine, fault = toys["toy:faulty"], "raise" if order.count(name) == breaks_at else "none"
-            return run(engine, SCENE, TIMES, {"fault": fault})
+            return run(engine, SCENE, TIMES, {"fault": fault}, sampled=sampled)
 
         return once
 
@@ -61,9 +59,23 @@ def test_the_motion_kept_is_that_of_the_warm_up_and_its_time_is_not_counted(toys
     begun = iter(range(10))
     calm = toy.vacuum
     monkeypatch.setattr(toy, "vacuum", lambda scene: _shifted(calm(scene), next(begun)))
-    (found,) = in_turns([partial(run, toy, SCENE, TIMES)], 2)
+    (found,) = in_turns([lambda sampled: run(toy, SCENE, TIMES, sampled=sampled)], 2)
     assert found.outcome.x[0, 0, 0] == 0.0
     assert len(set(found.timing.digests)) == 2
+
+
+def test_states_are_not_read_on_the_way_when_it_is_timed(toys, monkeypatch):
+    toy, read = toys["toy"], []
+    look = toy.read
+    monkeypatch.setattr(toy, "read", lambda world: read.append(world.clock.time) or look(world))
+    found = run(toy, SCENE, TIMES, repeats=2)
+    assert read == [*TIMES, 0.0, 1.0, 0.0, 1.0]
+    assert len(found.outcome) == len(TIMES)
+    assert found.timing.wall.shape == (2, 5)
+    assert found.timing.digests == (found.outcome.digest(),) * 2
+    ends = run(toy, SCENE, TIMES, sampled=False).outcome
+    np.testing.assert_array_equal(ends.t, [0.0, 1.0])
+    np.testing.assert_array_equal(ends.x, found.outcome.x[[0, -1]])
 
 
 def _shifted(draft, by):
