@@ -1,12 +1,14 @@
 """Scratch file in which a worker notes how far a run has come, so that its parent knows after a crash.
 
-A file and not a pipe: what was written to it is there whatever becomes of the writer.
+A file and not a pipe: what was written to it is there whatever becomes of the writer.  What a full disk does not take
+is left out and costs nothing but the motion of a run that crashes: it is no fault of the engine.
 """
 
 from __future__ import annotations
 
 import os
 import tempfile
+from contextlib import suppress
 from typing import IO, Any
 
 import numpy as np
@@ -40,12 +42,17 @@ class Scratch:
 
     def enter(self, stage: str) -> None:
         """Note the stage, one of `adapters.run.STAGES`."""
-        os.pwrite(self.fileno(), bytes([STAGES.index(stage)]), 0)
+        with suppress(OSError):
+            os.pwrite(self.fileno(), bytes([STAGES.index(stage)]), 0)
 
     def add(self, state: State) -> None:
-        """Note a state."""
+        """Note a state, whole or not at all."""
         row = np.concatenate([np.ravel(part) for part in (state.t, state.x, state.q, state.v, state.w)])
-        os.pwrite(self.fileno(), row.astype(np.float64).tobytes(), os.fstat(self.fileno()).st_size)
+        data, size, written = row.astype(np.float64).tobytes(), os.fstat(self.fileno()).st_size, 0
+        with suppress(OSError):
+            written = os.pwrite(self.fileno(), data, size)
+        if written < len(data):
+            os.ftruncate(self.fileno(), size)
 
     @property
     def stage(self) -> str:

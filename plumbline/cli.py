@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from plumbline.cli_compare import merge
 from plumbline.cli_gate import baseline, check
 from plumbline.cli_ladder import ladder
 from plumbline.cli_run import run, seconds
@@ -64,6 +65,7 @@ cli.add_command(check)
 cli.add_command(baseline)
 cli.add_command(sweep)
 cli.add_command(advise)
+cli.add_command(merge)
 
 
 @cli.command("list")

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import reports
 from adapters.archive import ArchiveError
@@ -155,7 +156,9 @@ def judge_failed(cell: Cell) -> bool:
 
 
 def merged(results: Sequence[Results]) -> Results:
-    """Several runs as one: of a cell in more than one of them, the last counts.
+    """Several runs as one: of a cell that more than one of them finished, the last counts.
+
+    Runs of one title are parts of one whole: their scenarios come in the order they have in the whole.
 
     Raises
     ------
@@ -167,7 +170,11 @@ def merged(results: Sequence[Results]) -> Results:
     if len(results) == 1:
         return results[0]
     last = results[-1].campaign
-    cells = {cell.key: replace(cell, trace=_absolute(r, cell)) for r in results for cell in r.cells}
+    cells: dict[str, Cell] = {}
+    for cell in (replace(cell, trace=_absolute(r, cell)) for r in results for cell in r.cells):
+        if cell.state != "not-run" or cell.key not in cells:
+            cells[cell.key] = cell
+    order = _order([r.campaign for r in results])
     joined = replace(
         last,
         id="+".join(r.campaign.id for r in results),
@@ -176,11 +183,30 @@ def merged(results: Sequence[Results]) -> Results:
         wall_seconds=sum(r.campaign.wall_seconds for r in results),
         scenarios={k: v for r in results for k, v in r.campaign.scenarios.items()},
         engines={k: v for r in results for k, v in r.campaign.engines.items()},
-        cells=tuple(cells.values()),
+        cells=tuple(sorted(cells.values(), key=lambda cell: order[cell.scenario])),
         ladders={k: v for r in results for k, v in r.campaign.ladders.items()},
         sweep={k: v for r in results for k, v in r.campaign.sweep.items()},
+        baseline=_baseline([r.campaign for r in results]),
     )
     return Results(joined, results[0].folder, tuple(s for r in results for s in r.known))
+
+
+def _order(campaigns: Sequence[Campaign]) -> dict[str, int]:
+    """Scenario -> its place in the whole: parts hold every n-th, other runs come one after the other."""
+    labels = [list(dict.fromkeys(c.scenario for c in campaign.cells)) for campaign in campaigns]
+    rows = [(n, k, label) for n, part in enumerate(labels) for k, label in enumerate(part)]
+    if len({campaign.title for campaign in campaigns}) == 1:
+        rows.sort(key=lambda row: (row[1], row[0]))
+    return {label: place for place, label in enumerate(dict.fromkeys(row[2] for row in rows))}
+
+
+def _baseline(campaigns: Sequence[Campaign]) -> dict[str, Any]:
+    """The records of all, if all were compared with the same baseline on one platform class."""
+    told = [campaign.baseline for campaign in campaigns]
+    if not all(told) or len({(b["name"], b["platform"]) for b in told}) > 1:
+        return {}
+    records = {json.dumps(record, sort_keys=True): record for b in told for record in b["records"]}
+    return {**told[-1], "records": list(records.values())}
 
 
 def _absolute(results: Results, cell: Cell) -> str:

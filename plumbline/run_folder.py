@@ -65,7 +65,8 @@ class RunFolder:
 
     def __exit__(self, *_: object) -> None:
         if self._journal is not None:
-            self._journal.close()
+            with self._guarded():  # what a full disk did not take is still in the buffer, and is tried once more
+                self._journal.close()
 
     def append(self, cell: Cell) -> None:
         """Write a finished cell to the journal, at once."""

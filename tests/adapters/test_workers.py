@@ -1,6 +1,7 @@
 """Whatever an engine does, it costs its own cell only."""
 
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -12,11 +13,12 @@ import pytest
 
 from adapters import registry
 from adapters.run import Failure, run
+from adapters.scratch import Scratch
 from adapters.workers import Workers
 from mechanics.effects import Gravity
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Sphere
-from mechanics.trajectory import Trajectory
+from mechanics.trajectory import State, Trajectory
 
 SCENE = Scene((Body("a", Sphere(0.1), mass=1.0, velocity=(1.0, 0.0, 0.0)), Body("b", Sphere(0.1))), (Gravity(),))
 TIMES = np.linspace(0.0, 1.0, 11)
@@ -202,3 +204,23 @@ def test_a_patient_deadline_is_one_of_cpu_time(workers):
     assert asleep.outcome.state == "timeout"
     assert "killed after 0.3 s of CPU time" in asleep.outcome.reason
     assert waited >= 6.0 * 0.3
+
+
+def test_a_full_disk_of_the_notes_costs_the_notes_and_not_the_run(tmp_path):
+    place = tmp_path / "notes"
+    place.touch()
+    with place.open("r+b", buffering=0) as file:
+        scratch = Scratch(file)
+        scratch.clear("advance")
+        state = State(0.5, *(np.zeros((2, n)) for n in (3, 4, 3, 3)))
+        scratch.add(state)
+        before = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (place.stat().st_size + 100, before[1]))
+        try:
+            scratch.add(state)  # of which the disk takes 100 bytes
+            scratch.add(state)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        assert len(scratch.motion(2)) == 1
+        scratch.add(state)
+        assert len(scratch.motion(2)) == 2
