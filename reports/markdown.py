@@ -10,12 +10,13 @@ from comparisons.regression import changes
 from reports.card import at_stake
 from reports.findings import findings
 from reports.frontier import ADVISED, BADGE, BUDGETS, accuracy, advice_text, share_text
+from reports.ladders import climbs
 from reports.matrix import Entry, matrix
-from reports.numbers import count, short
+from reports.numbers import count, short, with_unit
 from reports.regressions import chapters
 from reports.regressions import lead_sentence as baseline_sentence
 from reports.standing import groups, lead_sentence
-from reports.suite import without_sweep
+from reports.suite import suite_of
 from reports.verdict import LEGEND, RED, case_name, totals
 
 ACCURACY = (
@@ -29,18 +30,20 @@ LIMIT = 1_000_000  # bytes; GitHub cuts a job summary off at 1 MiB
 def markdown(campaign: Campaign, limit: int = LIMIT) -> str:
     """Summary of the campaign as GitHub-flavoured Markdown of at most `limit` bytes.
 
-    What does not fit is left out line by line from the end of the longest parts, and the text says what
-    and how much.
+    Steps on a ladder are no verdicts: of them the frontiers are told.  What does not fit is left out line by
+    line from the end of the longest parts, and the text says what and how much.
     """
-    whole, campaign = campaign, without_sweep(campaign)
-    head, table = _head(campaign), _table(campaign)
+    suite = suite_of(campaign)
+    judged = bool(suite.cells) or not campaign.ladders
+    head = [f"# {plain(campaign.title or campaign.id)}", "", *(_verdicts(suite) if judged else [])]
     parts = [
-        ("changes against the baseline", _baseline(campaign)),
-        ("verdict rows", table),
-        ("accuracy against time", _accuracy(whole)),
-        ("read-back cards", _card(campaign)),
-        ("findings", _findings(campaign)),
-        ("reproduce lines", _reproduce(campaign)),
+        ("changes against the baseline", _baseline(suite)),
+        ("verdict rows", _table(suite) if judged else []),
+        ("ladders", _ladders(campaign)),
+        ("accuracy against time", _accuracy(campaign)),
+        ("read-back cards", _card(suite)),
+        ("findings", _findings(suite)),
+        ("reproduce lines", _reproduce(suite)),
     ]
     room = limit - _size(head) - 400  # what is left out is told in at most this many bytes
     told = []
@@ -75,9 +78,10 @@ def _size(lines: list[str]) -> int:
     return sum(len(line.encode("utf-8", "replace")) + 1 for line in lines)
 
 
-def _head(campaign: Campaign) -> list[str]:
+def _verdicts(campaign: Campaign) -> list[str]:
+    """What happened, in sentences, and the signs of the table."""
     labels = len({c.scenario for c in campaign.cells})
-    lines = [f"# {plain(campaign.title or campaign.id)}", ""]
+    lines = []
     sections = groups(campaign)
     for group in sections:
         name = f"**{group.title}.** " if len(sections) > 1 else ""
@@ -116,6 +120,17 @@ def _baseline(campaign: Campaign) -> list[str]:
         lines += [f"- **{plain(n.engine)}** on {plain(n.scenario)}: {plain(n.sentence)}" for n in chapter.lines]
         lines.append("")
     return lines
+
+
+def _ladders(campaign: Campaign) -> list[str]:
+    """How far each engine got on each ladder, and how it broke."""
+    if not campaign.ladders:
+        return []
+    head, rows = ["ladder", "engine", "holds to", "breaks at", "how"], []
+    for c in climbs(campaign):
+        ends = ("–" if rung is None else with_unit(rung, c.unit) for rung in (c.frontier.good, c.frontier.bad))
+        rows.append([c.ladder, c.engine, *ends, c.word])
+    return ["## Ladders", "", *_rows(head, rows)]
 
 
 def _accuracy(campaign: Campaign) -> list[str]:

@@ -7,6 +7,7 @@ import pytest
 from comparisons.cell import Campaign, Cell
 from comparisons.measurement import Measurement
 from reports.ladders import chapters, climbs, glyph
+from reports.markdown import markdown
 from reports.page import page
 from reports.suite import without_ladders
 
@@ -83,3 +84,15 @@ def test_a_rung_that_was_not_run_is_no_step(campaign):
     assert found["reference"].word == "not run beyond"
     assert found["mujoco"].tries == ()
     assert "was not run" in chapters(cut)[0].drawing
+
+
+def test_the_summary_tells_frontiers_and_no_steps(campaign):
+    alone = markdown(campaign)
+    assert "| towers | mujoco | 10 m/s | 100 m/s | sank |" in alone
+    assert "| towers | reference | 100 m/s | – | holds |" in alone
+    assert "tower" not in alone.replace("towers", "")
+    other = replace(campaign.cells[0], key="other", scenario="free-fall", family="free-fall", engine="other")
+    both = markdown(replace(campaign, cells=(*campaign.cells, other)))
+    assert "| free-fall |" in both
+    assert "| scenario | decides | other |" in both
+    assert "tower" not in both.replace("towers", "")
