@@ -12,6 +12,8 @@ energy        where the scene says that it cannot grow, it is not above its star
               than a hundredth in every scenario of the standard suite at a step of 1 ms.
 overlap       half of the deepest there can be between two convex bodies, the sum of their inner radii
               (then their centres coincide): a body is then nearer to being in the other than on it.
+joints        a hinge's two sides do not part by more than half the bounding radius of its smallest moving body;
+              a rod or a taut string is not longer, a rod not shorter, by more than half its length.
 standing      of a scenario that demands something of "drift": no body is away from its place by more than
               half its bounding radius, or turned by more than 0.5 rad, a third of the way to its next face.
 reset         between two samples a body jumps farther than four times what its speeds can carry it, and
@@ -31,6 +33,7 @@ import numpy as np
 from adapters.run import Failure
 from comparisons.energy import energy_scale, potential_energy
 from comparisons.gap import bounded_gap, overlaps, unmeasurable
+from comparisons.joints import joints
 from comparisons.measurement import Case, Quantity
 from comparisons.penetration import close_pairs, pose
 from comparisons.rest import displacements, turns
@@ -48,6 +51,7 @@ BREAKS = {
     "speed cap": "a velocity stays at a limit that nothing in the scene sets",
     "tunnelled": "a body goes through a fixed one",
     "sank": "two bodies are more in each other than on each other",
+    "came apart": "a joint holds no longer what it joins",
     "energy gained": "energy rises where nothing gives any",
     "fell": "what must stand does not",
     "not normalised": "a quaternion is no rotation",
@@ -55,7 +59,7 @@ BREAKS = {
 STABLE = "stable"
 GAIN = 0.1  # of the energy the scene has to spend
 DEPTH = 0.5  # of the sum of the inner radii
-AWAY = 0.5  # of the bounding radius
+AWAY = 0.5  # of the bounding radius, or of a joint's length
 TURNED = 0.5  # [rad]
 UNIT = 1e-6  # deviation of |q| from 1: single precision rounds by 6e-8, and sums of a few such are still a rotation
 CUT = 0.01  # logarithm of what is lost at once
@@ -91,7 +95,7 @@ def breaks(case: Case) -> tuple[Break, ...]:
         return ()
     through = dict(_tunnelled(case))
     found = [_not_finite(case), _reset(case), _capped(case), next(iter(through.values()), None),
-             _sunk(case, set(through)), _gained(case), _fallen(case), _not_normalised(case)]  # fmt: skip
+             _sunk(case, set(through)), _parted(case), _gained(case), _fallen(case), _not_normalised(case)]  # fmt: skip
     return tuple(b for b in found if b is not None)
 
 
@@ -251,6 +255,15 @@ def _sunk(case: Case, through: set[tuple[int, int]]) -> Break | None:
         if found and (worst is None or found.time < worst.time):
             worst = found
     return worst
+
+
+def _parted(case: Case) -> Break | None:
+    """The first joint that came apart."""
+    broken = [
+        _first("came apart", case, j.error > AWAY * j.size, lambda _, j=j: f"{j.name}, by up to {j.error.max():.3g} m")
+        for j in joints(case.scene, case.trajectory)
+    ]
+    return min((b for b in broken if b is not None), key=lambda b: b.time, default=None)
 
 
 def inner_radius(shape: Shape) -> float:

@@ -8,7 +8,7 @@ from adapters.run import Failure, Run, run, sample_times
 from comparisons.judge import judge
 from comparisons.measurement import Case
 from comparisons.stability import BREAKS, STABLE, breaks, inner_radius, words
-from mechanics.effects import Force, Friction, Gravity, Resting, Restitution, Rotation
+from mechanics.effects import Effect, Force, Friction, Gravity, Hinge, Resting, Restitution, Rod, Rotation, Tether
 from mechanics.rotation import about
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Sphere
@@ -201,6 +201,38 @@ def test_what_must_stand_and_does_not_is_named(case_of, moved):
     assert words_of(case_of(scene, moved(scene, T), checks=(STAND,))) == []
 
 
+@pytest.mark.parametrize(
+    ("effect", "held", "broken"),
+    [
+        # two arms of 1 m, hinged half way: half the bounding radius is 0.255 m
+        (Hinge("left", "right", point=(0.5, 0.0, 0.0)), 0.25, 0.26),
+        # a rod of 1 m may change by half of that
+        (Rod("left", "right"), 0.49, 0.51),
+        # a string of 1.2 m that has 0.2 m to go may be 0.6 m longer
+        (Tether("left", "right", length=1.2), 0.79, 0.81),
+    ],
+    ids=lambda e: type(e).__name__ if isinstance(e, Effect) else "",
+)
+@pytest.mark.parametrize("turned", [0.0, 0.7])
+def test_a_joint_that_comes_apart_is_named(case_of, moved, effect, held, broken, turned):
+    """The right-hand body is drawn away along x; turning about y with the other, it takes the joint along."""
+    arms = [Body(n, Box((1.0, 0.2, 0.1)), 1.0, (x, 0.0, 0.0)) for n, x in (("left", 0.0), ("right", 1.0))]
+    scene = Scene(tuple(arms), (Rotation(), effect))
+    turn = np.tile(about((0.0, 1.0, 0.0), turned), (len(T), 1))
+    along = np.array([np.cos(turned), 0.0, -np.sin(turned)])
+
+    def drawn(by):
+        away = (1.0 + by * T)[:, None] * along
+        away[0], q = (1.0, 0.0, 0.0), turn.copy()
+        q[0] = 1.0, 0.0, 0.0, 0.0
+        speed = np.tile(by * along, (len(T), 1))
+        return case_of(scene, moved(scene, T, x_right=away, v_right=speed, q_left=q, q_right=q))
+
+    assert "came apart" not in words_of(drawn(held))
+    (found,) = (b for b in breaks(drawn(broken)) if b.word == "came apart")
+    assert "left and right, by up to" in found.text
+
+
 def test_a_quaternion_that_is_none_is_named(case_of, moved):
     scene = Scene((BALL,), (Rotation(),))
     off = np.ones((len(T), 1)) * [1.0, 0.0, 0.0, 0.0]
@@ -277,3 +309,15 @@ def test_a_stock_engine_that_limits_its_spin_is_caught():
         case = Case(type(scenario)(scene, 0.1, 0.005, (), "by hand"), answer, answer.trajectory)
         found[name] = words_of(case)
     assert found == {"reference": [], "pybullet:stock": ["speed cap"]}
+
+
+def test_a_stock_chain_under_a_heavy_load_comes_apart():
+    """Twenty links of 1 kg hold 100 kg; sequential impulses at 1/60 s do not, and the hinges open."""
+    (scenario,) = find("hanging-chain[links=20]")
+    times = sample_times(scenario.duration, scenario.sampling)
+    found = {}
+    for name in ("mujoco", "pymunk:stock"):
+        answer = run(registry.engine(name), scenario.scene, times)
+        found[name] = words_of(Case(scenario, answer, answer.trajectory))
+    assert found["mujoco"] == []
+    assert "came apart" in found["pymunk:stock"]
