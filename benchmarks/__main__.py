@@ -24,6 +24,7 @@ NAMES = (
     "free-bodies",
     "stack-speed",
     "startup",
+    "overhead",
 )
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "benchmarks.md"
 
