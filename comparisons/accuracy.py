@@ -32,17 +32,21 @@ def measure(case: Case) -> Iterator[Quantity]:
     if case.scenario.truth is None:
         return
     found, t = case.trajectory, case.trajectory.t
-    true = case.scenario.truth(t)
-    events = np.array(case.scenario.events)
-    calm = ~(np.abs(t[:, None] - events) <= case.scenario.guard).any(axis=1)
+    true, quiet = case.scenario.truth(t), calm(case)
     turned = angle_between(true.q, found.q)
-    yield from _errors("position error", _distance(found.x, true.x), "m", t, np.ones_like(calm), "final position error")
-    yield from _errors("velocity error", _distance(found.v, true.v), "m/s", t, calm, "final velocity error")
-    yield from _errors("orientation error", _known(turned, np.isnan(true.q).any(axis=2)), "rad", t, np.ones_like(calm))
-    yield from _errors("angular velocity error", _distance(found.w, true.w), "rad/s", t, calm)
+    yield from _errors("position error", distance(found.x, true.x), "m", t, np.ones_like(quiet), "final position error")
+    yield from _errors("velocity error", distance(found.v, true.v), "m/s", t, quiet, "final velocity error")
+    yield from _errors("orientation error", _known(turned, np.isnan(true.q).any(axis=2)), "rad", t, np.ones_like(quiet))
+    yield from _errors("angular velocity error", distance(found.w, true.w), "rad/s", t, quiet)
 
 
-def _distance(found: np.ndarray, true: np.ndarray) -> np.ndarray:
+def calm(case: Case) -> np.ndarray:
+    """(T,) whether a sample is further than the scenario's guard from every true impact."""
+    events = np.array(case.scenario.events)
+    return np.asarray(~(np.abs(case.trajectory.t[:, None] - events) <= case.scenario.guard).any(axis=1))
+
+
+def distance(found: np.ndarray, true: np.ndarray) -> np.ndarray:
     """(T,) largest length over the bodies of what differs in the known components; -1 where none is known."""
     known = ~np.isnan(true)
     lengths = np.linalg.norm(np.where(known, found - np.where(known, true, 0.0), 0.0), axis=2)
