@@ -157,6 +157,8 @@ class Campaign:
         settings are points of curves, and no verdicts of a suite.
     baseline : dict
         What the cells are to be compared with, as `comparisons.regression.Baseline` has it; empty if nothing is.
+    effects : dict
+        Engine -> scenario -> what its effects do, as `comparisons.effects.to_plain` wrote it, where that was tried.
     """
 
     id: str
@@ -171,6 +173,7 @@ class Campaign:
     ladders: Mapping[str, Any] = field(default_factory=dict)
     sweep: Mapping[str, Any] = field(default_factory=dict)
     baseline: Mapping[str, Any] = field(default_factory=dict)
+    effects: Mapping[str, Any] = field(default_factory=dict)
 
 
 def cell_key(scenario: str, version: int, engine: str, engine_version: str, settings: Mapping[str, Any]) -> str:

@@ -17,9 +17,10 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -118,6 +119,27 @@ class Proof:
     def whole(self) -> bool:
         """Whether it was compared to the end."""
         return self.until >= self.duration * (1.0 - 1e-9)
+
+
+def to_plain(proof: Proof) -> dict[str, Any]:
+    """For JSON: NaN becomes null."""
+    told = asdict(proof)
+    for part in (told, *told["rows"]):
+        part |= {name: None for name, value in part.items() if isinstance(value, float) and math.isnan(value)}
+    return told
+
+
+def from_plain(told: Mapping[str, Any]) -> Proof:
+    """Proof of what `to_plain` wrote.
+
+    Raises
+    ------
+    TypeError
+        For a field that is missing or unknown.
+    """
+    rows = [Row(**{name: math.nan if value is None else value for name, value in row.items()}) for row in told["rows"]]
+    kept = {name: math.nan if value is None else value for name, value in told.items() if name != "rows"}
+    return Proof(**kept, rows=tuple(rows))
 
 
 @dataclass(frozen=True)
@@ -298,7 +320,7 @@ class Gauge:
     def changed(self, state: State) -> bool:
         """Whether a state of a run that is under way is clearly another one than the declared at its time."""
         k = min(int(np.searchsorted(self.motion.t, state.t - self.near)), len(self.motion) - 1)
-        return self._apart(state, k, np.array([-math.inf])) > CHANGED
+        return self._apart(state, k, np.array([*self.events, -math.inf])) > CHANGED
 
     def _apart(self, state: State, k: int, events: np.ndarray) -> float:
         own, rows = self.motion.at(k), self.rows

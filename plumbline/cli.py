@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from plumbline.cli_compare import merge
+from plumbline.cli_effects import effects
 from plumbline.cli_gate import baseline, check
 from plumbline.cli_ladder import ladder
 from plumbline.cli_run import run, seconds
@@ -61,6 +62,7 @@ def cli() -> None:
 
 cli.add_command(run)
 cli.add_command(ladder)
+cli.add_command(effects)
 cli.add_command(check)
 cli.add_command(baseline)
 cli.add_command(sweep)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -187,6 +187,7 @@ def merged(results: Sequence[Results]) -> Results:
         ladders={k: v for r in results for k, v in r.campaign.ladders.items()},
         sweep={k: v for r in results for k, v in r.campaign.sweep.items()},
         baseline=_baseline([r.campaign for r in results]),
+        effects=_joined([r.campaign.effects for r in results]),
     )
     return Results(joined, results[0].folder, tuple(s for r in results for s in r.known))
 
@@ -207,6 +208,12 @@ def _baseline(campaigns: Sequence[Campaign]) -> dict[str, Any]:
         return {}
     records = {json.dumps(record, sort_keys=True): record for b in told for record in b["records"]}
     return {**told[-1], "records": list(records.values())}
+
+
+def _joined(told: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
+    """Engine -> scenario -> what its effects do; of one that is there more than once, the last."""
+    names = dict.fromkeys(engine for one in told for engine in one)
+    return {name: {k: v for one in told for k, v in one.get(name, {}).items()} for name in names}
 
 
 def _absolute(results: Results, cell: Cell) -> str:

@@ -175,7 +175,7 @@ def read_campaign(path: str | Path) -> Campaign:
 def campaign(manifest: Mapping[str, Any], cells: tuple[Cell, ...]) -> Campaign:
     """Campaign of a manifest and cells in the order of its plan."""
     names = ("id", "title", "command", "started", "wall_seconds", "fingerprint", "scenarios", "engines")
-    more = {name: manifest.get(name, {}) for name in ("ladders", "sweep", "baseline")}
+    more = {name: manifest.get(name, {}) for name in ("ladders", "sweep", "baseline", "effects")}
     return Campaign(**{name: manifest[name] for name in names}, cells=cells, **more)
 
 

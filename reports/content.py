@@ -61,10 +61,11 @@ class Content:
     @cached_property
     def engines(self) -> dict[str, EngineView]:
         """Engine -> how the page names it, in the order of every table."""
-        return {e: _view(self.campaign, e) for e in engines(self.campaign)}
+        return {e: view_of(self.campaign, e) for e in engines(self.campaign)}
 
 
-def _view(campaign: Campaign, engine: str) -> EngineView:
+def view_of(campaign: Campaign, engine: str) -> EngineView:
+    """How the page names an engine."""
     version = next((c.engine_version for c in campaign.cells if c.engine == engine and c.engine_version), "")
     version = version or str(campaign.engines.get(engine, {}).get("version", ""))
     icon = f'<svg class="fig icon" viewBox="0 0 14 14" aria-hidden="true">{marker_shape(engine, 7.0, 7.0)}</svg>'

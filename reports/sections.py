@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from reports import entries, frontier_section, method, museum, phases, regressions
+from reports import effects, entries, frontier_section, method, museum, phases, regressions
 from reports.balance import balance
 from reports.card import cards, lines, remarks
 from reports.charts import cost_figures, has_point
@@ -171,6 +171,7 @@ SECTIONS = (
     Section("verdicts", "Verdicts", _verdicts),
     Section("frontier", "Accuracy", frontier_section.shown),
     Section("cost", "Cost", _cost),
+    Section("effects", "Effects", effects.shown),
     Section("replay", "Replay", _replay),
     Section("ladders", "Ladders", _ladders),
     Section("museum", "Museum", _museum),

@@ -72,6 +72,9 @@ class Scenario:
     laws : mapping of str to Trajectory-independent final velocities, or empty
         Where mechanics leaves the answer to the impact law: admissible law -> (n, 3) final velocities
         of all bodies.  The realised law is named, not marked.
+    because : mapping of effect type to str
+        Why an effect is declared without which the motion is the same, or not declared although with it the motion
+        would be another: what it is for, or what its absence says.
     exhibit : Exhibit or None
         What makes it an exhibit of the museum.
     name, version, summary, tags, suites, parameters
@@ -88,6 +91,7 @@ class Scenario:
     events: tuple[float, ...] = ()
     guard: float = 5e-3
     laws: Mapping[str, tuple[tuple[float, float, float], ...]] = field(default_factory=dict)
+    because: Mapping[type[Effect], str] = field(default_factory=dict)
     exhibit: Exhibit | None = None
     name: str = ""
     version: int = 1
