@@ -18,13 +18,17 @@ from reports.verdict import engines
 
 @dataclass(frozen=True)
 class EngineView:
-    """An engine as the page names it: marker, name and profile, always in its colour."""
+    """An engine as the page names it: marker, name and profile, always in its colour.
+
+    `symbol` is the drawing of the marker, which stands once in the page, and `icon` a reference to it.
+    """
 
     name: str
     slug: str
     base: str
     profile: str
     icon: str
+    symbol: str
     version: str
 
 
@@ -68,5 +72,6 @@ def view_of(campaign: Campaign, engine: str) -> EngineView:
     """How the page names an engine."""
     version = next((c.engine_version for c in campaign.cells if c.engine == engine and c.engine_version), "")
     version = version or str(campaign.engines.get(engine, {}).get("version", ""))
-    icon = f'<svg class="fig icon" viewBox="0 0 14 14" aria-hidden="true">{marker_shape(engine, 7.0, 7.0)}</svg>'
-    return EngineView(engine, slug(engine), base(engine), profile(engine), icon, version)
+    symbol = f'<symbol id="i-{slug(engine)}" viewBox="0 0 14 14">{marker_shape(engine, 7.0, 7.0)}</symbol>'
+    icon = f'<svg class="fig icon" aria-hidden="true"><use href="#i-{slug(engine)}"/></svg>'
+    return EngineView(engine, slug(engine), base(engine), profile(engine), icon, symbol, version)

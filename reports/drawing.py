@@ -8,8 +8,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from html import escape
 from importlib.resources import files
+
+import numpy as np
 
 from comparisons.pareto import FLOOR, front
 from reports.figures import Axis, Figure, Series
@@ -28,12 +31,16 @@ class _Scale:
     end: float
 
     def __call__(self, value: float) -> float:
+        return float(self.of(np.array(value)))
+
+    def of(self, values: np.ndarray) -> np.ndarray:
+        """Pixels of many values; NaN stays NaN, and what lies beyond the axis is drawn just beyond it."""
         if self.log:
             low, high = math.log10(self.least), math.log10(self.most)
-            part = (math.log10(max(value, self.least)) - low) / (high - low)
+            part = (np.log10(np.maximum(values, self.least)) - low) / (high - low)
         else:
-            part = (value - self.least) / (self.most - self.least)
-        return self.start + min(max(part, -0.02), 1.02) * (self.end - self.start)
+            part = (values - self.least) / (self.most - self.least)
+        return np.asarray(self.start + np.clip(part, -0.02, 1.02) * (self.end - self.start))
 
     def ticks(self, wanted: int) -> list[tuple[float, str]]:
         if self.log:
@@ -205,17 +212,18 @@ def _front(figure: Figure, frame: _Frame) -> str:
 
 
 def _drawn(one: Series, frame: _Frame, breadth: float) -> str:
-    points = [(frame.x(x), frame.y(y)) if not math.isnan(y) else None for x, y in zip(one.x, one.y, strict=True)]
+    x, y = frame.x.of(np.array(one.x, dtype=np.float64)), frame.y.of(np.array(one.y, dtype=np.float64))
     kind = f"eng-{slug(one.engine)}" if one.engine else "truth"
     dash = look(one.engine).dash if one.engine else ""
     parts = [_band(one, frame)] if one.low else []
     if one.joined:
         dashed = f' stroke-dasharray="{dash}"' if dash else ""
         broad = f' style="stroke-width:{breadth:.1f}"' if one.engine else ""
-        parts.append(f'<path class="line" d="{_path(points)}"{dashed}{broad}/>')
+        parts.append(f'<path class="line" d="{_path(x, y)}"{dashed}{broad}/>')
     if one.marked and one.engine:
-        tips = one.tips or [""] * len(points)
-        parts += [_marker(one.engine, p, tip) for p, tip in zip(points, tips, strict=True) if p]
+        tips = one.tips or [""] * len(x)
+        points = zip(x.tolist(), y.tolist(), tips, strict=True)
+        parts += [_marker(one.engine, (px, py), tip) for px, py, tip in points if not math.isnan(py)]
     return f'<g class="{kind}">{"".join(parts)}</g>'
 
 
@@ -227,18 +235,28 @@ def _band(one: Series, frame: _Frame) -> str:
     return f'<path class="band" d="M{"L".join(upper + lower)}Z"/>' if known else ""
 
 
-def _path(points: Sequence[tuple[float, float] | None]) -> str:
-    """Path data through the points, broken where there is none; relative and to a tenth of a pixel, to be short."""
-    parts: list[str] = []
-    pen: tuple[int, int] | None = None
-    for point in points:
-        if point is None:
-            pen = None
-            continue
-        x, y = round(10 * point[0]), round(10 * point[1])
-        parts.append(f"M{x / 10:g} {y / 10:g}" if pen is None else f"l{(x - pen[0]) / 10:g} {(y - pen[1]) / 10:g}")
-        pen = (x, y)
-    return "".join(parts)
+def _path(x: np.ndarray, y: np.ndarray) -> str:
+    """Path data through points [px], broken where y is NaN; relative and in tenths of a pixel, to be short."""
+    known = ~np.isnan(y)
+    edges = np.flatnonzero(np.diff(known, prepend=False, append=False)).reshape(-1, 2)
+    return "".join(_stroke(np.rint(10.0 * np.stack([x[a:b], y[a:b]])).astype(int)) for a, b in edges)
+
+
+def _stroke(points: np.ndarray) -> str:
+    """One unbroken piece of a path; points in the middle of a level stretch are left out."""
+    level = np.diff(points[1]) == 0
+    ahead = np.diff(points[0]) >= 0
+    inner = np.flatnonzero(level[:-1] & level[1:] & ahead[:-1] & ahead[1:]) + 1
+    kept = np.delete(points, inner, axis=1)
+    steps = [
+        f"h{_tenths(dx)}" if dy == 0 else f"l{_tenths(dx)} {_tenths(dy)}" for dx, dy in np.diff(kept, axis=1).T.tolist()
+    ]
+    return f"M{_tenths(int(kept[0, 0]))} {_tenths(int(kept[1, 0]))}" + "".join(steps)
+
+
+@cache
+def _tenths(number: int) -> str:
+    return f"{number / 10:g}"
 
 
 def marker_shape(engine: str, x: float, y: float, size: float = 4.2) -> str:

@@ -13,12 +13,28 @@ from reports.card import incomparable
 from reports.charts import has_point
 from reports.content import Content
 from reports.numbers import count, settings_text, short, with_unit
-from reports.verdict import Mark, anchor, mark, ratio, ratio_text, sentence
+from reports.verdict import Mark, anchor, mark, ratio, ratio_text, scenarios, sentence
 
 
 @dataclass(frozen=True)
 class CellView:
-    """One entry among all cells."""
+    """One entry among all cells.
+
+    Attributes
+    ----------
+    cell, anchor, mark, ratio, settings, cost
+    why : str
+        The verdict in words.
+    demanded : tuple of (quantity, value, tolerance, ratio, when it was worst, verdict)
+    other : tuple of (quantity, value)
+        What was measured besides.
+    facts : tuple of (name, text)
+        How it was run.
+    place : int
+        Place of its scenario among the scenarios, from 1.
+    replay : str
+        Fragment that leads to its moment in the replay, or "".
+    """
 
     cell: Cell
     anchor: str
@@ -27,8 +43,10 @@ class CellView:
     why: str
     settings: str
     cost: str
-    rows: tuple[tuple[str, ...], ...]
+    demanded: tuple[tuple[str, ...], ...]
+    other: tuple[tuple[str, str], ...]
     facts: tuple[tuple[str, str], ...]
+    place: int
     replay: str
 
 
@@ -39,30 +57,40 @@ def shown(content: Content) -> Mapping[str, Any]:
 
 
 def _cells(content: Content) -> list[CellView]:
-    views = []
     campaign = content.campaign
     replays = {r.scenario: r for r in content.motion.replays}
+    places = {name: k for k, name in enumerate(scenarios(campaign), 1)}
+    views = []
     for cell, fragment in zip(campaign.cells, anchor(campaign).values(), strict=True):
-        cost = f"{short(1e3 * cell.cost)} ms/s" if has_point(cell) else ""
-        rows = tuple(_measurement(m) for m in cell.measurements)
-        settings = settings_text(cell.settings)
-        shown = replays.get(cell.scenario)
-        link = shown.link(cell.key) if shown else ""
-        facts = _details(cell, incomparable(campaign, cell))
+        replay = replays.get(cell.scenario)
         views.append(
-            CellView(cell, fragment, mark(cell), ratio_text(cell), sentence(cell), settings, cost, rows, facts, link)
+            CellView(
+                cell,
+                fragment,
+                mark(cell),
+                ratio_text(cell),
+                sentence(cell),
+                settings_text(cell.settings),
+                f"{short(1e3 * cell.cost)} ms/s" if has_point(cell) else "",
+                tuple(_demanded(m) for m in cell.measurements if not math.isnan(m.tolerance)),
+                tuple((m.quantity, _value(m)) for m in cell.measurements if math.isnan(m.tolerance)),
+                _details(cell, incomparable(campaign, cell)),
+                places[cell.scenario],
+                replay.link(cell.key) if replay else "",
+            )
         )
     return views
 
 
-def _measurement(m: Measurement) -> tuple[str, ...]:
-    value = m.text if math.isnan(m.value) else with_unit(m.value, m.unit, 6)
-    if m.text and not math.isnan(m.value):
-        value = f"{value} ({m.text})"
-    demanded = "" if math.isnan(m.tolerance) else with_unit(m.tolerance, m.unit)
-    share = "" if math.isnan(m.tolerance) else short(ratio(m))
+def _demanded(m: Measurement) -> tuple[str, ...]:
     when = "" if math.isnan(m.time) else f"{short(m.time, 4)} s"
-    return m.quantity, value, demanded, share, when, m.verdict, m.why
+    return m.quantity, _value(m), with_unit(m.tolerance, m.unit), short(ratio(m)), when, m.verdict
+
+
+def _value(m: Measurement) -> str:
+    if math.isnan(m.value):
+        return m.text or "not measured"
+    return with_unit(m.value, m.unit, 6) + (f" ({m.text})" if m.text else "")
 
 
 def _details(cell: Cell, differs: str) -> tuple[tuple[str, str], ...]:
@@ -77,8 +105,7 @@ def _details(cell: Cell, differs: str) -> tuple[tuple[str, str], ...]:
         f"{short(cell.time, 6)} s of {short(cell.duration, 6)} s" if cell.time else f"{short(cell.duration, 6)} s asked"
     )
     facts = {
-        "Engine": f"{cell.engine} {cell.engine_version}",
-        "Settings": settings_text(cell.settings),
+        "Version": cell.engine_version,
         "Simulated": reached,
         "Cost": timing,
         "Build": build,

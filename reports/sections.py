@@ -24,7 +24,7 @@ from reports.ladders import LEGEND as RUNGS
 from reports.ladders import chapters
 from reports.numbers import count, short
 from reports.replay import SIZE, STEPS
-from reports.standing import groups, lead_sentence
+from reports.standing import groups, lead_sentence, times
 from reports.verdict import LEGEND, description, first_of_family, totals
 
 
@@ -95,7 +95,7 @@ def _lead(content: Content) -> Mapping[str, Any]:
     rows = len(content.matrix.rows)
     standing = groups(content.suite)
     told = [(g, spoken(lead_sentence(g, rows), content.engines)) for g in standing]
-    return {"groups": told, "verdicts": rows > 0, "ladders": len(content.campaign.ladders)}
+    return {"groups": told, "verdicts": rows > 0, "ladders": len(content.campaign.ladders), "times": times}
 
 
 def _verdicts(content: Content) -> Mapping[str, Any]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -143,13 +142,11 @@ def extremes(t: np.ndarray, y: np.ndarray, buckets: int) -> tuple[np.ndarray, np
     """
     if len(t) <= 2 * buckets:
         return t, y
-    keep = [0, len(t) - 1]
-    edges = np.linspace(0, len(t), buckets + 1).astype(int)
-    for start, end in pairwise(edges):
-        part = y[start:end]
-        if np.isnan(part).all():
-            keep.append(start)
-        else:
-            keep += [start + int(np.nanargmin(part)), start + int(np.nanargmax(part))]
-    places = np.unique(keep)
+    width = -(-len(t) // buckets)
+    stretches = np.append(y, np.full(-len(t) % width, np.nan)).reshape(-1, width)
+    starts = width * np.arange(len(stretches))
+    nothing = np.isnan(stretches)
+    least = np.where(nothing, np.inf, stretches).argmin(axis=1)
+    largest = np.where(nothing, -np.inf, stretches).argmax(axis=1)
+    places = np.unique([0, len(t) - 1, *(starts + least), *(starts + largest)])
     return t[places], y[places]

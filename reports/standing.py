@@ -163,10 +163,15 @@ def _scores(cards: Sequence[Card], common: int) -> str:
     return ", ".join(parts)
 
 
+def times(relative: float) -> str:
+    """ "3.4×"; near 1, where two digits say nothing, "1.03×"."""
+    return f"{short(relative, 2 if relative >= 1.095 else 3)}×"
+
+
 def _costs(cards: Sequence[Card], shared: int) -> str:
     costed = sorted((c for c in cards if not math.isnan(c.cost)), key=lambda c: c.cost)
     if not costed:
         return "No scenario has a measured cost and a right answer from all of them, so no cost is compared."
-    others = ", ".join(f"{c.engine} {short(c.relative, 2)}×" for c in costed[1:])
+    others = ", ".join(f"{c.engine} {times(c.relative)}" for c in costed[1:])
     where = "On the only scenario" if shared == 1 else f"On the {shared} scenarios"
     return f"{where} where all are right, {costed[0].engine} takes the least CPU time, {others} as much."

@@ -1,6 +1,6 @@
 // The replay: all engines on one clock, panels and plots that follow it.
 const Player = (() => {
-  const root = document.documentElement, MOST_OVERLAID = 4;
+  const root = document.documentElement, MOST_OVERLAID = 4, LEAST = 2; // seconds that playing takes at least, at the speed that is proposed
   const element = (tag, kind = "", text = "") => Object.assign(document.createElement(tag), { className: kind, textContent: text });
   const seconds = (t) => `${t.toFixed(2)} s`;
 
@@ -18,10 +18,15 @@ const Player = (() => {
     const shown = () => scene.engines.filter((e) => !root.classList.contains(`hide-${e.slug}`));
     const overlaid = () => overlay.checked;
 
+    const inks = new Map(); // of the theme: asking the style sheet for each frame would cost more than the frame
     const colour = (name) => {
-      const text = getComputedStyle(root).getPropertyValue(name).trim();
-      return [1, 3, 5].map((k) => parseInt(text.slice(k, k + 2), 16) / 255);
+      if (!inks.has(name)) {
+        const text = getComputedStyle(root).getPropertyValue(name).trim();
+        inks.set(name, [1, 3, 5].map((k) => parseInt(text.slice(k, k + 2), 16) / 255));
+      }
+      return inks.get(name);
     };
+    const repaint = () => { inks.clear(); redraw(); };
     const mixed = (a, b, part) => a.map((v, k) => v + part * (b[k] - v));
     const palette = () => {
       const [paper, rule, strong, ink] = ["--panel", "--rule", "--strong-rule", "--ink"].map(colour);
@@ -29,17 +34,17 @@ const Player = (() => {
     };
 
     const panels = () => {
-      const engines = shown(), colours = palette(), scale = devicePixelRatio || 1;
+      const engines = shown(), colours = palette(), scale = devicePixelRatio || 1, rooms = places();
       const instances = (e) => Views.instances(scene, e, time, { ...colours, own: colour(`--eng-${e.slug}`) }, larger);
       const frame = (place) => {
         const device = Object.fromEntries(Object.entries(place).map(([k, v]) => [k, Math.round(v * scale)]));
         return { ...device, scale, camera: Views.placed(scene, view, place.width / place.height) };
       };
-      if (!overlaid()) return engines.map((e, k) => ({ ...frame(places()[k]), solids: instances(e), outlines: [] }));
+      if (!overlaid()) return engines.map((e, k) => ({ ...frame(rooms[k]), solids: instances(e), outlines: [] }));
       const [first, ...others] = engines.slice(0, MOST_OVERLAID);
       // the first outline is the broadest, so that equal motions show as layers
       const outlines = others.flatMap((e, k) => instances(e).filter((i) => !i.fixed).map((i) => ({ ...i, breadth: 2 * (others.length - k) })));
-      return first ? [{ ...frame(places()[0]), solids: instances(first), outlines }] : [];
+      return first ? [{ ...frame(rooms[0]), solids: instances(first), outlines }] : [];
     };
 
     /** Where the panels stand in the stage [CSS pixels]. */
@@ -78,7 +83,8 @@ const Player = (() => {
       const scale = devicePixelRatio || 1;
       canvas.width = Math.round(stage.clientWidth * scale);
       canvas.height = Math.round(stage.clientHeight * scale);
-      tags.replaceChildren(...engines.map((e, k) => tagged(e, overlaid() ? null : places()[k], overlaid() && k >= MOST_OVERLAID, k)));
+      const rooms = places();
+      tags.replaceChildren(...engines.map((e, k) => tagged(e, overlaid() ? null : rooms[k], overlaid() && k >= MOST_OVERLAID, k)));
       tags.classList.toggle("row", overlaid());
       for (const cursor of cursors) cursor.figure.wide = cursor.figure.clientWidth;
       redraw();
@@ -191,6 +197,8 @@ const Player = (() => {
         return;
       }
       picker.value = name;
+      const slow = Array.from(speed.options, (o) => Number(o.value)).filter((s) => s <= 1 && scene.duration / s >= LEAST);
+      speed.value = Math.max(...slow, Number(speed.options[0].value));
       [time, view, larger] = [0, Views.camera(scene.planar), Views.enlarged(scene)];
       said.textContent = [blocks.get(name).dataset.said, larger > 1.05 ? `Bodies are drawn ${larger.toPrecision(2)} times larger than they are.` : ""].join(" ");
       canvas.setAttribute("aria-label", `${name}: ${scene.engines.map((e) => `${e.name} ${e.word}`).join(", ")}`);
@@ -296,8 +304,8 @@ const Player = (() => {
     find(".previous").addEventListener("click", () => turnTo(-1));
     addEventListener("hashchange", linked);
     document.addEventListener("plumbline:engines", arrange);
-    document.addEventListener("plumbline:theme", redraw);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
+    document.addEventListener("plumbline:theme", repaint);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", repaint);
     new ResizeObserver(arrange).observe(stage.parentElement);
 
     paint(new URLSearchParams(location.search).has("canvas"));

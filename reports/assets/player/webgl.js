@@ -16,7 +16,6 @@ const WebGL = (() => {
       if (shadow > 0.0) {
         float height = dot(ground.xyz, at) - ground.w;
         at -= ground.xyz*(height - shadow);
-        if (height < 0.0) at -= ground.xyz*1e9;
       }
       gl_Position = view*vec4(at, 1.0);
     }`, `#version 300 es
