@@ -26,6 +26,7 @@ from reports.frontier import (
     advice_text,
     duel_text,
     share_text,
+    target_text,
 )
 from reports.numbers import short
 from reports.terminal import STYLES
@@ -51,7 +52,7 @@ def show(campaign: Campaign, console: Console | None = None) -> None:
 
 
 def _reached(section: Section) -> Table:
-    table = _table(section.scenario, *(short(t) for t in TARGETS), "order", "alarms")
+    table = _table(section.scenario, *(target_text(t) for t in TARGETS), "order", "alarms")
     for row in section.rows:
         entries = [Text(f"{e.glyph} {e.text}", style=STYLES[e.tone]) for e in row.entries]
         alarms = "; ".join(filter(None, (row.alarm, row.failures)))
@@ -67,7 +68,7 @@ def _shares(told: Accuracy) -> Table:
 
 
 def _duels(told: Accuracy, target: float) -> Table:
-    table = _table(f"to {short(target)}: row won–drawn–lost against", *told.engines)
+    table = _table(f"to {target_text(target)}: row won–drawn–lost against", *told.engines)
     for a in told.engines:
         row = ["·" if a == b else duel_text(told.duels[target][a, b]) for b in told.engines]
         table.add_row(Text(a), *map(Text, row))

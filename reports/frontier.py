@@ -15,7 +15,7 @@ from comparisons.frontier import TARGETS, WHOLE, Frontier, Point, frontiers
 from comparisons.order import ROUNDING, Alarm
 from comparisons.pareto import Reach
 from comparisons.wins import Duel, Share, duel, share
-from reports.numbers import settings_text, short
+from reports.numbers import power_of_ten, settings_text, short
 from reports.verdict import engine_order, mark, scenarios
 
 BUDGETS = (1.0, 10.0, 100.0, 1000.0)  # CPU ms per simulated second; the last is real time
@@ -199,14 +199,13 @@ def duel_text(one: Duel) -> str:
 def advice_text(advice: Advice) -> list[str]:
     """Advice in sentences."""
     if not advice.choices:
-        return [f"No engine comes down to {short(advice.error)}.", *_short_of(advice), *_refusals(advice)]
+        return [f"No engine comes down to {target_text(advice.error)}.", *_short_of(advice), *_refusals(advice)]
     first = advice.choices[0]
-    lines = [f"Use {setting_text(first.point)}: error {_measured(first.point)}{_caveat(first.passes)}."]
+    lines = [f"Use {setting_text(first.point, first.default)}: error {_measured(first.point)}{_caveat(first.passes)}."]
     if advice.ratio is not None:
-        second = advice.choices[1]
-        lines.append(
-            f"Next: {setting_text(second.point)}, {short(advice.ratio, 2)} times as expensive{_caveat(second.passes)}."
-        )
+        second, dearer = advice.choices[1], short(advice.ratio, 2)
+        named = setting_text(second.point, second.default)
+        lines.append(f"Next: {named}, {dearer} times as expensive{_caveat(second.passes)}.")
     default = first.default
     if default is not None and default.cell.key != first.point.cell.key:
         lines.append(
@@ -215,9 +214,17 @@ def advice_text(advice: Advice) -> list[str]:
     return [*lines, *_short_of(advice), *_refusals(advice)]
 
 
-def setting_text(point: Point) -> str:
-    """Engine and settings on one line."""
-    return f"{point.cell.engine} ({settings_text(point.cell.settings)})"
+def setting_text(point: Point, default: Point | None) -> str:
+    """Engine and what is set otherwise than by default, on one line; everything where the default is not known."""
+    usual = default.cell.settings if default is not None else {}
+    changed = {name: value for name, value in point.cell.settings.items() if usual.get(name) != value}
+    return f"{point.cell.engine} ({settings_text(changed) or 'its default settings'})"
+
+
+def target_text(target: float) -> str:
+    """A target as a power of ten where it is one: "10⁻³", else "0.002"."""
+    power = round(math.log10(target))
+    return power_of_ten(power) if math.isclose(target, 10.0**power) and power < -1 else short(target)
 
 
 def _measured(point: Point) -> str:
@@ -242,7 +249,7 @@ def _fault(default: Point, chosen: Point, error: float) -> str:
 def _short_of(advice: Advice) -> list[str]:
     return [
         f"{engine} does not get there: "
-        + (f"best {setting_text(best)}, {_measured(best)}." if best else "no run ended.")
+        + (f"best {settings_text(best.cell.settings)}, {_measured(best)}." if best else "no run came to its end.")
         for engine, best in advice.short
     ]
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from comparisons.cell import Campaign
 from comparisons.frontier import Curve, Frontier, Point
+from comparisons.order import ROUNDING
 from reports.figures import Axis, Figure, Series
 from reports.frontier import Accuracy, Section, disturbed
 from reports.numbers import settings_text, short
@@ -19,7 +20,9 @@ PLACE = ("position error", "final position error", "drift")  # checks in metres 
 
 
 def panels(told: Accuracy, campaign: Campaign) -> list[tuple[str, Figure]]:
-    """(scenario, figure) for every scenario with a point: relative place error over cost, all on one axis of cost.
+    """(scenario, figure) for every scenario with a point: relative place error over cost, all on the same axes.
+
+    Errors below `comparisons.order.ROUNDING` say nothing and are drawn there.
 
     Curves are joined in the order of their ladder.  Settings that broke stand on the rail at the upper edge, at
     the cost of their neighbour in the ladder.  Bands reach down to the best phase of a step.
@@ -29,7 +32,9 @@ def panels(told: Accuracy, campaign: Campaign) -> list[tuple[str, Figure]]:
         return []
     limits = (10.0 ** math.floor(min(costs) - 0.05), 10.0 ** math.ceil(max(costs) + 0.05))
     x = Axis("CPU ms per simulated second", log=True, better="← cheaper", limits=limits)
-    y = Axis("relative place error", log=True, better="↓ better")
+    errors = [p.error for s in told.sections for f in s.found for p in f.points if p.whole]
+    top = 10.0 ** math.ceil(math.log10(max(max(errors), ROUNDING)) + 0.05)
+    y = Axis("relative place error, 10⁻¹² for less", log=True, better="↓ better", limits=(ROUNDING, top))
     drawn = []
     for section in told.sections:
         series = tuple(one for f in section.found for one in _series(f))

@@ -9,10 +9,12 @@ from comparisons.frontier import TARGETS
 from comparisons.wins import MARGIN
 from reports.content import Content
 from reports.drawing import svg
-from reports.frontier import ADVISED, BADGE, BUDGETS, Section, advice_text, duel_text, share_text
+from reports.frontier import ADVISED, BADGE, BUDGETS, Section, advice_text, duel_text, share_text, target_text
 from reports.frontier_figures import panels, shares
-from reports.numbers import listed, short
+from reports.numbers import listed
 from reports.verdict import first_of_family
+
+PANEL = (440.0, 300.0)  # [px]
 
 
 def shown(content: Content) -> Mapping[str, Any]:
@@ -20,19 +22,19 @@ def shown(content: Content) -> Mapping[str, Any]:
     told = content.frontier
     if not told.sections:
         return {}
-    drawn = [(title, svg(figure)) for title, figure in panels(told, content.campaign)]
+    drawn = [(title, svg(figure, *PANEL)) for title, figure in panels(told, content.campaign)]
     leading = first_of_family(content.campaign, [title for title, _ in drawn])
     stairs = shares(told)
     return {
         "order": [content.engines[e] for e in told.engines],
-        "targets": listed([short(t) for t in TARGETS]),
-        "columns": [short(t) for t in TARGETS],
+        "targets": listed([target_text(t) for t in TARGETS]),
+        "columns": [target_text(t) for t in TARGETS],
         "shares_figure": svg(stairs, 620.0, 280.0) if stairs else "",
         "shares": [(budget, [share_text(one, budget) for one in told.shares]) for budget in BUDGETS],
         "refused": [one.refused for one in told.shares],
-        "duels": [(target, _matrix(content, target)) for target in TARGETS],
+        "duels": [(target_text(target), _matrix(content, target)) for target in TARGETS],
         "margin": MARGIN,
-        "advised": ADVISED,
+        "advised": target_text(ADVISED),
         "badge": BADGE,
         "sections": [_told(section) for section in told.sections],
         "without": told.without,

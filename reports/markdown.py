@@ -9,7 +9,7 @@ from comparisons.frontier import TARGETS
 from comparisons.regression import changes
 from reports.card import at_stake
 from reports.findings import findings
-from reports.frontier import ADVISED, BADGE, BUDGETS, accuracy, advice_text, share_text
+from reports.frontier import ADVISED, BADGE, BUDGETS, accuracy, advice_text, share_text, target_text
 from reports.ladders import climbs
 from reports.matrix import Entry, matrix
 from reports.numbers import count, short, with_unit
@@ -22,7 +22,7 @@ from reports.verdict import LEGEND, RED, case_name, totals
 ACCURACY = (
     "CPU milliseconds per simulated second to come down to a relative place error (how far any point of a body is "
     "from its true place, over the length of the motion), between measured settings, never extrapolated. Times are "
-    f"of one machine: read ratios. {BADGE}: disturbed timing. Advice is for an error of {short(ADVISED)}."
+    f"of one machine: read ratios. {BADGE}: disturbed timing. Advice is for an error of {target_text(ADVISED)}."
 )
 LIMIT = 1_000_000  # bytes; GitHub cuts a job summary off at 1 MiB
 
@@ -145,7 +145,7 @@ def _accuracy(campaign: Campaign) -> list[str]:
         rows = [[r.engine, *(f"{e.glyph} {e.text}" for e in r.entries), r.order,
                  "; ".join(filter(None, (r.alarm, r.failures)))] for r in section.rows]  # fmt: skip
         lines += [f"### {plain(section.scenario)}", ""]
-        lines += _rows(["engine", *(short(t) for t in TARGETS), "order", "alarms"], rows)
+        lines += _rows(["engine", *(target_text(t) for t in TARGETS), "order", "alarms"], rows)
         lines += [f"{plain(' '.join(advice_text(section.advice)))}", ""]
     return lines
 
