@@ -23,6 +23,9 @@ class Configured:
         What a stock profile changes all the same, by the engine's own names, as its documentation recommends.
     stock : bool
         Only what the scene says is set, everything else is left as the engine has it.
+    departures : set of str or None
+        Names of the settings in which it departs from stock, for ablations (`adapters.ablation`); None: all of them,
+        or none in a stock profile.
     """
 
     name: str
@@ -33,3 +36,8 @@ class Configured:
     on_request: bool = False
     remedy: Mapping[str, Any] = field(default_factory=dict)
     known: Mapping[str, str] = field(default_factory=dict)
+    departures: frozenset[str] | None = None
+
+    def departs(self, setting: str) -> bool:
+        """Whether a setting, by the name the adapter has for it, departs from stock."""
+        return not self.stock if self.departures is None else setting in self.departures

@@ -169,7 +169,7 @@ class MuJoCo(Configured):
         settings = self.settle(knobs, scene)
         if settings["integrator"] == "RK4" and not smooth(scene) and not self.stock:
             raise Refusal("contacts, rods and tethers that act for one step are lost in RK4; use Euler or auto")
-        spec = Modeller(mj, self.stock, self.remedy).spec(draft, settings)
+        spec = Modeller(mj, self.departs, self.remedy).spec(draft, settings)
         model = spec.compile()
         data = mj.MjData(model)
         bodies = [self._number(model, "mjOBJ_BODY", f"body{i}") for i in range(len(scene.bodies))]

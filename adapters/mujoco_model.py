@@ -6,7 +6,7 @@ measured with MuJoCo 4.0.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
@@ -50,14 +50,14 @@ class Modeller:
     ----------
     mujoco : module
         The imported mujoco.
-    stock : bool
-        Only masses, shapes, friction and gravity are set.
+    departs : function of str
+        Whether a setting departs from stock; where none does, only masses, shapes, friction and gravity are set.
     remedy : mapping
         Names of `option` and of `geom` -> values that are set besides; `flags` names flags to be enabled.
     """
 
     mujoco: ModuleType
-    stock: bool
+    departs: Callable[[str], bool]
     remedy: Mapping[str, Any] = field(default_factory=dict)
 
     def spec(self, draft: Draft, settings: Settings) -> Any:
@@ -71,9 +71,11 @@ class Modeller:
         option.iterations = int(settings["iterations"])
         # without it a bad state is silently replaced by the initial one
         option.disableflags = int(mj.mjtDisableBit.mjDSBL_AUTORESET)
-        if not self.stock:
+        if self.departs("cone"):
             option.cone = mj.mjtCone.mjCONE_ELLIPTIC
+        if "tolerance" in settings:
             option.tolerance = float(settings["tolerance"])
+        if self.departs("diagexact"):
             option.enableflags = int(mj.mjtEnableBit.mjENBL_DIAGEXACT)
         self._remedy(option)
         made: dict[int, Any] = {}
@@ -86,9 +88,10 @@ class Modeller:
 
     def _let_touch(self, spec: Any, scene: Scene, h: float) -> None:
         """Which shapes collide and how: pair by pair, or all alike where there are very many."""
-        pairs = [] if self.stock else list(scene.pairs())
+        fair = self.departs("contact")
+        pairs = list(scene.pairs()) if fair else []
         alike = alike_and_many(scene, pairs)
-        if self.stock or alike:
+        if not fair or alike:
             for a, b in joined(scene):
                 spec.add_exclude(bodyname1=f"body{scene.index(a)}", bodyname2=f"body{scene.index(b)}")
         if alike:
@@ -125,7 +128,7 @@ class Modeller:
         if not body.fixed:
             self._let_move(child, body, i, draft.turns, hinge)
             self._weigh(child, body)
-        if draft.scene.touching or self.stock:
+        if draft.scene.touching or not self.departs("inertia"):
             self._shape(spec, child, draft, i, product(conjugate(frame), np.array(body.orientation)))
 
     def _let_move(self, child: Any, body: Body, i: int, turns: bool, hinge: Hinge | None) -> None:
@@ -143,7 +146,7 @@ class Modeller:
 
     def _weigh(self, child: Any, body: Body) -> None:
         """Mass and inertia of the scene; a stock body gets its inertia from its shape unless the scene names one."""
-        if self.stock and body.inertia is None:
+        if not self.departs("inertia") and body.inertia is None:
             return
         moments, axes = principal(body.inertia_tensor)
         child.mass, child.inertia = body.mass, moments
@@ -170,15 +173,15 @@ class Modeller:
                 spec.add_mesh(name=f"mesh{i}", uservert=np.ravel(vertices), userface=np.ravel(triangles))
                 form = {"type": kind.mjGEOM_MESH, "meshname": f"mesh{i}"}
         # fair: coefficients belong to pairs, so only those that are named collide (see `_let_touch`)
-        collide = int(self.stock and draft.scene.touching)
+        collide = int(not self.departs("contact") and draft.scene.touching)
         geom = child.add_geom(name=f"shape{i}", quat=turned, contype=collide, conaffinity=collide, **form)
-        if self.stock:
+        if not self.departs("inertia") and not body.fixed:
+            geom.mass = body.mass
+        if not self.departs("contact"):
             effect = draft.scene.effect(Friction)
             geom.friction = [effect.coefficient if effect else 0.0, 0.005, 0.0001]
             if "solref" in self.remedy:
                 geom.solref = self.remedy["solref"]
-            if not body.fixed:
-                geom.mass = body.mass
 
     def _pair(self, spec: Any, scene: Scene, i: int, j: int, h: float) -> None:
         """Contact parameters of one pair for the step h.
@@ -218,12 +221,12 @@ class Modeller:
                 tendon.springlength = [link.length, link.length]
             case Rod():
                 rod = spec.add_equality(type=mj.mjtEq.mjEQ_TENDON, name1=f"tendon{n}")
-                if not self.stock:
+                if self.departs("links"):
                     # the whole error in one step: no rebound is there to be falsified
                     rod.solref, rod.solimp = [-1.0 / h**2, -1.0 / h], IMPEDANCE
             case Tether():
                 tendon.limited, tendon.range = True, [0.0, link.length]
-                if not self.stock:
+                if self.departs("links"):
                     tendon.solref_limit = [-CORRECTION / h**2, -(1.0 + link.restitution) / h]
                     tendon.solimp_limit = IMPEDANCE
 

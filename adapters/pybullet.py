@@ -139,7 +139,7 @@ class PyBullet(Configured):
 
     def _hull_margin(self, scene: Scene) -> str | None:
         hulls = [b.name for b in scene.bodies if isinstance(b.shape, Mesh)]
-        margin = 1e3 * (STOCK_HULL_MARGIN if self.stock else HULL_MARGIN)
+        margin = 1e3 * (HULL_MARGIN if self.departs("collisionMargin") else STOCK_HULL_MARGIN)
         return f"convex hulls touch {margin:g} mm early (collision margin): {', '.join(hulls)}" if hulls else None
 
     def _push(self, draft: Draft, effect: Drag | Force | Spring) -> str:
@@ -162,7 +162,7 @@ class PyBullet(Configured):
         p = self._bullet
         client = p.connect(p.DIRECT)
         try:
-            world = Builder(p, self.maximal, self.stock, self.remedy).build(draft, knobs, client)
+            world = Builder(p, self.maximal, self.departs, self.remedy).build(draft, knobs, client)
             hands = _Hands(p, world)
             world.pushes = [pusher(world.scene, effect, hands, world.clock.dt) for effect in draft.pushes]
             return world

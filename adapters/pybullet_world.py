@@ -6,7 +6,7 @@ Every figure quoted here was measured with PyBullet 3.2.7.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
@@ -25,6 +25,7 @@ from mechanics.shapes import Box, Capsule, Cylinder, HalfSpace, Mesh, Sphere, bo
 
 GROUND = (500.0, 50.0)  # half width and half height of the box that stands for a half-space [m]
 FREE_SPEED = 1e9  # clamp of the multibody solver raised out of reach [m/s, rad/s]
+THRESHOLDS = ("restitutionVelocityThreshold", "contactSlop", "solverResidualThreshold")  # made zero
 STIFF = 1e12  # largest force of a hinge [N]: none
 HULL_MARGIN = 1e-5  # by which convex hulls are made larger [m]; without any, shallow contacts count as deep ones
 STOCK_HULL_MARGIN = 1e-3  # what PyBullet makes it [m]
@@ -66,15 +67,15 @@ class Builder:
         The imported pybullet.
     maximal : bool
         Maximal coordinates (btRigidBody) instead of the multibody solver.
-    stock : bool
-        Nothing but what the scene says is set.
+    departs : function of str
+        Whether a setting departs from stock; where none does, nothing but what the scene says is set.
     remedy : mapping
         Arguments of changeDynamics for moving bodies, besides; ccdSweptSphereRadius is a share of the bounding ball's.
     """
 
     bullet: ModuleType
     maximal: bool
-    stock: bool
+    departs: Callable[[str], bool]
     remedy: Mapping[str, Any] = field(default_factory=dict)
 
     def build(self, draft: Draft, knobs: Settings, client: int) -> World:
@@ -103,24 +104,23 @@ class Builder:
         settings: dict[str, float] = {"numSolverIterations": int(knobs["iterations"])}
         if substeps(knobs) > 1:
             settings["numSubSteps"] = substeps(knobs)
-        if not self.stock:
-            settings |= {"restitutionVelocityThreshold": 0.0, "contactSlop": 0.0, "solverResidualThreshold": 0.0}
-            if not rests_only(scene) and self.maximal:
-                settings |= {"useSplitImpulse": 1, "splitImpulsePenetrationThreshold": 0.0}
-            if Resting not in scene.needs or not (self.maximal or rests_only(scene)):
-                settings["contactERP"] = 0.0
+        settings |= {name: 0.0 for name in THRESHOLDS if self.departs(name)}
+        if self.departs("useSplitImpulse") and not rests_only(scene) and self.maximal:
+            settings |= {"useSplitImpulse": 1, "splitImpulsePenetrationThreshold": 0.0}
+        if self.departs("contactERP") and (Resting not in scene.needs or not (self.maximal or rests_only(scene))):
+            settings["contactERP"] = 0.0
         p.setPhysicsEngineParameter(**settings, physicsClientId=client)
 
     def _add(self, world: World, draft: Draft, i: int) -> None:
         """Create body i; moving ones stand apart until `_place`, so that nothing touches before the start."""
         p, body = self.bullet, world.scene.bodies[i]
-        axes = _principal_axes(body, draft.turns and (not self.stock or body.inertia is not None))
+        axes = _principal_axes(body, draft.turns and (self.departs("inertia") or body.inertia is not None))
         position, orientation = _ground_pose(world.scene, body) if self._boxed(body) else (body.position, None)
         if orientation is None:
             orientation = body.orientation if axes is None else product(np.array(body.orientation), axes)
         if not body.fixed:
             position = (0.0, 0.0, 1e4 * (i + 1))
-        shape = self._shape(body, axes, world.client) if world.scene.touching or self.stock else -1
+        shape = self._shape(body, axes, world.client) if world.scene.touching or not self.departs("inertia") else -1
         uid = p.createMultiBody(
             body.mass or 0.0, shape, -1, position, xyzw(orientation),
             useMaximalCoordinates=int(self.maximal), physicsClientId=world.client,
@@ -142,17 +142,17 @@ class Builder:
             # mass and inertia in one call: inertia alone makes the mass of a btRigidBody garbage
             if not draft.turns:
                 settings |= {"mass": body.mass, "localInertiaDiagonal": (0.0, 0.0, 0.0)}
-            elif not self.stock or body.inertia is not None:
+            elif self.departs("inertia") or body.inertia is not None:
                 moments = principal(body.inertia_tensor)[0].tolist()
                 settings |= {"mass": body.mass, "localInertiaDiagonal": moments}
-        if not self.stock:
+        if self.departs("damping"):
             settings |= {"linearDamping": 0.0, "angularDamping": 0.0}
-            if not rests_only(draft.scene):
-                settings["contactProcessingThreshold"] = 0.0
-            if not self.maximal:
-                settings["maxJointVelocity"] = FREE_SPEED
-            if isinstance(body.shape, Mesh):
-                settings["collisionMargin"] = HULL_MARGIN
+        if self.departs("contactProcessingThreshold") and not rests_only(draft.scene):
+            settings["contactProcessingThreshold"] = 0.0
+        if self.departs("maxJointVelocity") and not self.maximal:
+            settings["maxJointVelocity"] = FREE_SPEED
+        if self.departs("collisionMargin") and isinstance(body.shape, Mesh):
+            settings["collisionMargin"] = HULL_MARGIN
         if not body.fixed:
             settings |= self.remedy
             if "ccdSweptSphereRadius" in self.remedy:
@@ -160,7 +160,7 @@ class Builder:
         return settings
 
     def _boxed(self, body: Body) -> bool:
-        return isinstance(body.shape, HalfSpace) and not self.stock
+        return isinstance(body.shape, HalfSpace) and self.departs("half-space")
 
     def _shape(self, body: Body, axes: Quat | None, client: int) -> int:
         p = self.bullet
@@ -178,7 +178,7 @@ class Builder:
                 # a shape with a frame of its own is a compound, whose margin does not reach the hull inside
                 turned = np.array(vertices) if axes is None else unrotate(axes, np.array(vertices))
                 form, frame = {"shapeType": p.GEOM_MESH, "vertices": turned.tolist()}, {}
-            case HalfSpace(normal) if self.stock:
+            case HalfSpace(normal) if not self._boxed(body):
                 form = {"shapeType": p.GEOM_PLANE, "planeNormal": normal}
             case HalfSpace():
                 depth = abs(_face(_upward(body)))

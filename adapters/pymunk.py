@@ -131,7 +131,7 @@ class Pymunk(Configured):
 
     def start(self, draft: Draft, knobs: Settings) -> World:
         """World of the draft."""
-        world = Builder(self._pymunk, self.stock).build(draft, knobs)
+        world = Builder(self._pymunk, self.departs).build(draft, knobs)
         hands, h = _Hands(world), world.clock.dt / world.substeps
         world.pushes = [pusher(draft.scene, effect, hands, h) for effect in draft.pushes]
         return world

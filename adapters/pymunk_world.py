@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
@@ -62,22 +62,22 @@ class Builder:
     ----------
     pymunk : module
         The imported pymunk.
-    stock : bool
-        Iterations, slop and moments of inertia as pymunk has them.
+    departs : function of str
+        Whether a setting departs from stock; where none does, slop, bias and moments of inertia are pymunk's.
     """
 
     pymunk: ModuleType
-    stock: bool
+    departs: Callable[[str], bool]
 
     def build(self, draft: Draft, knobs: Settings) -> World:
         """World of the draft, without its pushes."""
         scene, space = draft.scene, self.pymunk.Space()
         space.gravity = draft.gravity[0], draft.gravity[2]
         space.iterations = int(knobs["iterations"])
-        if not self.stock:
+        if self.departs("collision_slop"):
             space.collision_slop = 0.0
-            if Resting not in scene.needs:
-                space.collision_bias = 1.0
+        if self.departs("collision_bias") and Resting not in scene.needs:
+            space.collision_bias = 1.0
         world = World(scene, space, Clock(float(knobs["dt"])), substeps(knobs), [], [])
         for body in scene.bodies:
             self._add(world, draft, body)
@@ -110,7 +110,7 @@ class Builder:
 
     def _moment(self, body: Body) -> float:
         """Moment about y of the scene; a stock body gets that of its flat outline unless the scene names one."""
-        if self.stock and body.inertia is None and isinstance(body.shape, Sphere):
+        if not self.departs("moments") and body.inertia is None and isinstance(body.shape, Sphere):
             return float(self.pymunk.moment_for_circle(body.mass, 0.0, body.shape.radius))
         return moment(body)
 
@@ -195,7 +195,7 @@ class Builder:
                 joint = pm.SlideJoint(a, b, *ends, 0.0, link.length)
             case Hinge():
                 joint = pm.PivotJoint(a, b, *ends)
-        if alone and not self.stock and not isinstance(link, Spring) and not _slack(joint):
+        if alone and self.departs("error_bias") and not isinstance(link, Spring) and not _slack(joint):
             joint.error_bias = 0.0
         joint.collide_bodies = isinstance(link, (Spring, Tether))
         world.space.add(joint)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from plumbline.cli_ablate import ablate
 from plumbline.cli_compare import merge
 from plumbline.cli_effects import effects
 from plumbline.cli_gate import baseline, check
@@ -67,6 +68,7 @@ cli.add_command(check)
 cli.add_command(baseline)
 cli.add_command(sweep)
 cli.add_command(advise)
+cli.add_command(ablate)
 cli.add_command(merge)
 
 
