@@ -1,6 +1,7 @@
 """Advice: the cheapest setting that was measured to be accurate enough, and what is wrong with the default.
 
-From measured points only: nothing is interpolated, because a setting that nobody ran is no advice.
+From measured points only: nothing is interpolated, because a setting that nobody ran is no advice.  Costs within
+a factor of `wins.MARGIN` cannot be told apart, and then the default is preferred.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from comparisons.frontier import Frontier, Point
+from comparisons.wins import MARGIN
 
 
 @dataclass(frozen=True)
@@ -68,7 +70,7 @@ def advise(found: Sequence[Frontier], scenario: str, error: float) -> Advice:
     if not own:
         known = ", ".join(dict.fromkeys(f.scenario for f in found)) or "nothing"
         raise ValueError(f"{scenario}: no error of place was measured on it; measured: {known}")
-    points = {f.engine: f.cheapest(error) for f in own if not f.refused}
+    points = {f.engine: _chosen(f, error) for f in own if not f.refused}
     choices = [Choice(f.engine, p, f.default) for f in own if (p := points.get(f.engine)) is not None]
     return Advice(
         scenario,
@@ -77,3 +79,11 @@ def advise(found: Sequence[Frontier], scenario: str, error: float) -> Advice:
         tuple((f.engine, f.best) for f in own if not f.refused and points[f.engine] is None),
         tuple((f.engine, f.refused) for f in own if f.refused),
     )
+
+
+def _chosen(found: Frontier, error: float) -> Point | None:
+    """The cheapest measured point within the error, or the default if it is as cheap as the clock can tell."""
+    cheapest, default = found.cheapest(error), found.default
+    if cheapest is None or default is None or not (default.whole and default.error <= error):
+        return cheapest
+    return default if default.cost <= MARGIN * cheapest.cost else cheapest

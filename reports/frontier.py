@@ -208,9 +208,8 @@ def advice_text(advice: Advice) -> list[str]:
         lines.append(f"Next: {named}, {dearer} times as expensive{_caveat(second.passes)}.")
     default = first.default
     if default is not None and default.cell.key != first.point.cell.key:
-        lines.append(
-            f"Its default ({settings_text(default.cell.settings)}) {_fault(default, first.point, advice.error)}."
-        )
+        usual = _otherwise(default, first.point)
+        lines.append(f"Its default ({usual}) {_fault(default, first.point, advice.error)}.")
     return [*lines, *_short_of(advice), *_refusals(advice)]
 
 
@@ -225,6 +224,11 @@ def target_text(target: float) -> str:
     """A target as a power of ten where it is one: "10⁻³", else "0.002"."""
     power = round(math.log10(target))
     return power_of_ten(power) if math.isclose(target, 10.0**power) and power < -1 else short(target)
+
+
+def _otherwise(default: Point, chosen: Point) -> str:
+    """Those of the default settings that the chosen ones change."""
+    return settings_text({n: v for n, v in default.cell.settings.items() if chosen.cell.settings.get(n) != v})
 
 
 def _measured(point: Point) -> str:
