@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import replace
+from collections.abc import Sequence
 from typing import Any
 
 import click
@@ -82,16 +82,16 @@ def _table(*columns: str) -> Table:
     return table
 
 
-def advice(campaign: Campaign, scenario: str, error: float) -> Advice:
-    """Advice from what a sweep measured.
+def advice(campaign: Campaign, scenario: str, error: float, engines: Sequence[str] = ()) -> Advice:
+    """Advice from what a sweep measured; on `engines` only, if there are any.
 
     Raises
     ------
     ValueError
         If nothing was measured on the scenario.
     """
-    swept = campaign if campaign.sweep else replace(campaign, sweep={"knobs": "main"})
-    return advise(frontiers(swept), scenario, error)
+    found = frontiers(campaign)
+    return advise([f for f in found if not engines or f.engine in engines], scenario, error)
 
 
 def show_advice(given: Advice, json_: bool) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from plumbline.cli_run import command
-from plumbline.cli_sweep import PHASES, progress_option
+from plumbline.cli_sweep import PHASES, one, progress_option
 from plumbline.command import as_json, harness, terminable, usage
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def _measured(scene: str, library: str, asked: dict[str, Any]) -> Campaign:
     from plumbline.progress import progress
     from plumbline.run_folder import new_id
 
-    (scenario, *_) = choose(None, (scene if "[" in scene else f"{scene}[]",))
+    (scenario,) = choose(None, (one(scene)[0],))
     between = [f"{library}:{kind}{name}" for name in settings(library) for kind in ("stock+", "fair-")]
     registry.register(SOURCE, "adapters.ablation:ENGINES")
     try:

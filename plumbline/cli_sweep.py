@@ -121,22 +121,41 @@ def advise(scene: str, error: float, runs: tuple[str, ...], **asked: Any) -> int
     """  # fmt: skip
     register(asked["plugins"])
     with usage():
+        from adapters import registry
         from plumbline import accuracy
-        from plumbline.plan import choose
         from plumbline.results import Results, merged
 
-        wanted = choose(None, (scene if "[" in scene else f"{scene}[]",))[0].name if not Path(scene).exists() else ""
-        more = {"what": scene if Path(scene).exists() else wanted, "selectors": (), "tags": ()}
-        jobs = () if runs else planned(asked | more)
-    options = {"repeats": REPEATS, "phases": PHASES, "jobs": 1, "rerun": None, "what": scene}
+        label, name = one(scene)
+        jobs = () if runs else planned(asked | {"what": label, "selectors": (), "tags": ()})
+    options = {"repeats": REPEATS, "phases": PHASES, "jobs": 1, "rerun": None, "what": label}
     with harness():
         results = merged([Results.read(path) for path in runs]) if runs else measured(jobs, asked | options)
         if not runs:
             results.report()
     with usage():
-        advice = accuracy.advice(results.campaign, wanted or jobs[0].scenario.name, error)
+        only = registry.select(asked["engines"]) if asked["engines"] else ()
+        advice = accuracy.advice(results.campaign, name, error, only)
     accuracy.show_advice(advice, asked["json_"])
     return 0 if advice.choices else 1
+
+
+def one(scene: str) -> tuple[str, str]:
+    """How one scenario is asked for, and its name.
+
+    Raises
+    ------
+    ValueError
+        If the words name more than one.
+    """
+    from plumbline import own_files
+    from plumbline.plan import choose
+
+    own = own_files.is_file(scene)
+    label = scene if own or "[" in scene else f"{scene}[]"
+    found = choose(label) if own else choose(None, (label,))
+    if len(found) != 1:
+        raise ValueError(f"{scene} names {', '.join(s.name for s in found)}: only one is possible here")
+    return label, found[0].name
 
 
 def planned(asked: dict[str, Any]) -> tuple[Job, ...]:

@@ -253,7 +253,7 @@ def _fault(default: Point, chosen: Point, error: float) -> str:
 def _short_of(advice: Advice) -> list[str]:
     return [
         f"{engine} does not get there: "
-        + (f"best {settings_text(best.cell.settings)}, {_measured(best)}." if best else "no run came to its end.")
+        + (f"best {_measured(best)} ({settings_text(best.cell.settings)})." if best else "no run came to its end.")
         for engine, best in advice.short
     ]
 
