@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from reports import effects, entries, frontier_section, method, museum, phases, regressions
+from reports import effects, entries, frontier_section, ledger, method, museum, phases, regressions
 from reports.balance import balance
 from reports.card import cards, lines, remarks
 from reports.charts import cost_figures, has_point
@@ -176,6 +176,7 @@ SECTIONS = (
     Section("ladders", "Ladders", _ladders),
     Section("museum", "Museum", _museum),
     Section("balance", "Energy", _balance),
+    Section("ledger", "", ledger.shown),
     Section("phases", "", _phases),
     Section("card", "", _card),
     Section("findings", "Findings", _findings),
