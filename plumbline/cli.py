@@ -10,7 +10,7 @@ from pathlib import Path
 import click
 
 from plumbline.cli_ablate import ablate
-from plumbline.cli_compare import merge
+from plumbline.cli_compare import compare, merge
 from plumbline.cli_effects import effects
 from plumbline.cli_gate import baseline, check
 from plumbline.cli_ladder import ladder
@@ -70,6 +70,7 @@ cli.add_command(sweep)
 cli.add_command(advise)
 cli.add_command(ablate)
 cli.add_command(merge)
+cli.add_command(compare)
 
 
 @cli.command("list")
