@@ -40,15 +40,15 @@ class Advice:
         Of every engine that reaches it, cheapest first: the choice, the runner-up, and so on.
     short : tuple of (str, Point or None)
         Engines that do not reach it, with their best point.
-    refused : tuple of (str, str)
-        Engines that refuse the scene, with the reason.
+    absent : tuple of (str, str, str)
+        Engines that did not answer, with state (refused, not installed, not run) and reason.
     """
 
     scenario: str
     error: float
     choices: tuple[Choice, ...]
     short: tuple[tuple[str, Point | None], ...]
-    refused: tuple[tuple[str, str], ...]
+    absent: tuple[tuple[str, str, str], ...]
 
     @property
     def ratio(self) -> float | None:
@@ -70,14 +70,14 @@ def advise(found: Sequence[Frontier], scenario: str, error: float) -> Advice:
     if not own:
         known = ", ".join(dict.fromkeys(f.scenario for f in found)) or "nothing"
         raise ValueError(f"{scenario}: no error of place was measured on it; measured: {known}")
-    points = {f.engine: _chosen(f, error) for f in own if not f.refused}
+    points = {f.engine: _chosen(f, error) for f in own if f.answered}
     choices = [Choice(f.engine, p, f.default) for f in own if (p := points.get(f.engine)) is not None]
     return Advice(
         scenario,
         error,
         tuple(sorted(choices, key=lambda choice: choice.point.cost)),
-        tuple((f.engine, f.best) for f in own if not f.refused and points[f.engine] is None),
-        tuple((f.engine, f.refused) for f in own if f.refused),
+        tuple((f.engine, f.best) for f in own if f.answered and points[f.engine] is None),
+        tuple((f.engine, *f.absent) for f in own if not f.answered),
     )
 
 

@@ -149,11 +149,22 @@ class Frontier:
         return min((p for p in self.points if p.whole), key=lambda p: p.error, default=None)
 
     @property
-    def refused(self) -> str:
-        """Why the engine was never put to the question; "" if it was."""
-        if any(p.cell.state in WHOLE or p.broke for p in self.points):
-            return ""
-        return next((p.cell.reason for p in self.points if p.cell.reason), "not measured")
+    def answered(self) -> bool:
+        """Whether the engine was put to the question at any setting."""
+        return any(p.cell.state in WHOLE or p.broke for p in self.points)
+
+    @property
+    def unrun(self) -> int:
+        """Settings that were planned and not run: what they would reach is not known."""
+        return sum(p.cell.state == "not-run" for p in self.points)
+
+    @property
+    def absent(self) -> tuple[str, str]:
+        """State and reason of an engine that did not answer (refused, not installed, not run); empty if it did."""
+        if self.answered:
+            return "", ""
+        cell = next((p.cell for p in self.points if p.cell.state != "not-run"), self.points[0].cell)
+        return cell.state, cell.reason
 
     def reach(self, target: float) -> tuple[Reach, Point | None]:
         """The least cost [CPU ms/s] at which the engine comes down to `target`, and the measured point that does.

@@ -25,15 +25,16 @@ class Share:
     costs : tuple of float
         At which one more pair is reached, ascending [CPU ms per simulated second].
     asked : int
-        Pairs there are for this engine: of the scenarios it does not refuse.
-    refused : int
-        Scenarios it refuses; they are no part of `asked`.
+        Pairs there are for this engine: of the scenarios it answered at every setting.
+    refused, unfinished : int
+        Scenarios it refuses, or of which some settings were not run; they are no part of `asked`.
     """
 
     engine: str
     costs: tuple[float, ...]
     asked: int
     refused: int
+    unfinished: int
 
     def within(self, cost: float) -> float:
         """Share of the pairs asked that are reached within `cost`; NaN if none is asked."""
@@ -67,25 +68,31 @@ class Duel:
 def share(found: Sequence[Frontier], engine: str, targets: Sequence[float] = TARGETS) -> Share:
     """Share of one engine over all its frontiers."""
     own = [f for f in found if f.engine == engine]
-    answered = [f for f in own if not f.refused]
+    answered = [f for f in own if _counts(f)]
     costs = [f.reach(target)[0].cost for f in answered for target in targets]
     return Share(
         engine,
         tuple(sorted(c for c in costs if not math.isnan(c))),
         len(answered) * len(targets),
-        len(own) - len(answered),
+        sum(f.absent[0] == "refused" for f in own),
+        sum(f.unrun > 0 for f in own),
     )
 
 
 def duel(found: Sequence[Frontier], first: str, second: str, target: float) -> Duel:
     """The first engine against the second for one target."""
     costs = {
-        engine: {f.scenario: f.reach(target)[0].cost for f in found if f.engine == engine and not f.refused}
+        engine: {f.scenario: f.reach(target)[0].cost for f in found if f.engine == engine and _counts(f)}
         for engine in (first, second)
     }
     common = [name for name in costs[first] if name in costs[second]]
     results = [_result(costs[first][name], costs[second][name]) for name in common]
     return Duel(*(results.count(word) for word in ("win", "draw", "loss", "neither")))
+
+
+def _counts(found: Frontier) -> bool:
+    """Whether an engine answered a scenario at every setting that was planned: only then is "not reached" a result."""
+    return found.answered and not found.unrun
 
 
 def _result(mine: float, other: float) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import click
@@ -37,8 +38,8 @@ def show(campaign: Campaign, console: Console | None = None) -> None:
     console, told = console or wide_console(), accuracy(campaign)
     for section in told.sections:
         console.print(_reached(section))
-        for engine, reason in section.refused:
-            console.print(Text(f"{engine} refuses: {reason}", style="dim"))
+        for engine, reason in section.absent:
+            console.print(Text(f"{engine}: {reason}", style="dim"))
         console.print()
     if len(told.sections) > 1:
         console.print(_shares(told))
@@ -61,9 +62,14 @@ def _reached(section: Section) -> Table:
 
 
 def _shares(told: Accuracy) -> Table:
-    table = _table("share reached within", *(f"{short(b)} ms/s" for b in BUDGETS), "refused")
+    table = _table("share reached within", *(f"{short(b)} ms/s" for b in BUDGETS), "refused", "not run")
     for one in told.shares:
-        table.add_row(Text(one.engine), *(Text(share_text(one, b)) for b in BUDGETS), Text(str(one.refused)))
+        table.add_row(
+            Text(one.engine),
+            *(Text(share_text(one, b)) for b in BUDGETS),
+            Text(str(one.refused)),
+            Text(str(one.unfinished)),
+        )
     return table
 
 
@@ -109,9 +115,7 @@ def as_json(campaign: Campaign) -> dict[str, Any]:
     return {
         "targets": list(TARGETS),
         "frontiers": [_frontier_json(f) for section in told.sections for f in section.found],
-        "shares": [
-            {"engine": s.engine, "asked": s.asked, "refused": s.refused, "costs": list(s.costs)} for s in told.shares
-        ],
+        "shares": [{**asdict(one), "costs": list(one.costs)} for one in told.shares],
         "duels": [
             {"target": target, "engine": a, "against": b, "won": d.wins, "drawn": d.draws, "lost": d.losses,
              "neither": d.neither, "common": d.common}
@@ -126,7 +130,8 @@ def _frontier_json(found: Frontier) -> dict[str, Any]:
     return {
         "scenario": found.scenario,
         "engine": found.engine,
-        "refused": found.refused,
+        "absent": " ".join(found.absent).strip(),
+        "unrun": found.unrun,
         "reach": [{"target": t, "cost": _known(r.cost), "how": r.how} for t, r in reached.items()],
         "order": _known(order.slope) if order else None,
         "points": [_point_json(p) for p in found.points],
@@ -156,7 +161,7 @@ def _advice_json(given: Advice) -> dict[str, Any]:
         "error": given.error,
         "choices": [chosen(choice) for choice in given.choices],
         "short": [{"engine": e, "best": _point_json(p) if p else None} for e, p in given.short],
-        "refused": [{"engine": e, "reason": reason} for e, reason in given.refused],
+        "absent": [{"engine": e, "state": state, "reason": reason} for e, state, reason in given.absent],
     }
 
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 DEFAULT_SUITE = "smoke"
 REPEATS = 3
 PHASES = 8
+PATIENCE = 10.0  # times as long as its deadline may a run take on a machine that is busy
 
 engine_option = click.option(
     "-e", "--engine", "engines", multiple=True, metavar="NAME",
@@ -29,7 +30,9 @@ knobs_option = click.option(
     "integrator, method and solver, too.",
 )  # fmt: skip
 timeout_option = click.option(
-    "--timeout", callback=seconds, help="Of one run of a setting; then its engine is killed.  [default: 1m]"
+    "--timeout",
+    callback=seconds,
+    help="Of one run of a setting, in CPU time; then its engine is killed.  [default: 1m]",
 )
 budget_option = click.option(
     "--budget", callback=seconds, help="Of the whole sweep; what has not begun by then is not run."
@@ -197,6 +200,7 @@ def measured(jobs: tuple[Job, ...], asked: dict[str, Any]) -> Results:
         rerun=asked["rerun"] or "none",
         phases=asked["phases"],
         card=False,
+        patience=PATIENCE,
     )
     folder = Path(asked["out"]) if asked["out"] else Path("runs") / new_id()
     title = f"Accuracy against time: {asked['what'] or ', '.join(asked.get('selectors', ())) or DEFAULT_SUITE}"

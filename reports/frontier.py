@@ -15,8 +15,8 @@ from comparisons.frontier import TARGETS, WHOLE, Frontier, Point, frontiers
 from comparisons.order import ROUNDING, Alarm
 from comparisons.pareto import Reach
 from comparisons.wins import Duel, Share, duel, share
-from reports.numbers import power_of_ten, settings_text, short
-from reports.verdict import engine_order, mark, scenarios
+from reports.numbers import power_of_ten, rounded, settings_text, short
+from reports.verdict import WORDS, engine_order, mark, scenarios
 
 BUDGETS = (1.0, 10.0, 100.0, 1000.0)  # CPU ms per simulated second; the last is real time
 ADVISED = 1e-3  # the relative error for which every report gives advice
@@ -49,12 +49,12 @@ class Row:
 
 @dataclass(frozen=True)
 class Section:
-    """One scenario: a row for each engine that answered, the reason of each that refused, and advice."""
+    """One scenario: a row for each engine that answered, word and reason of each that did not, and advice."""
 
     scenario: str
     found: tuple[Frontier, ...]
     rows: tuple[Row, ...]
-    refused: tuple[tuple[str, str], ...]
+    absent: tuple[tuple[str, str], ...]
     advice: Advice
 
 
@@ -113,8 +113,8 @@ def _section(scenario: str, found: Sequence[Frontier]) -> Section:
     return Section(
         scenario,
         ordered,
-        tuple(_row(f) for f in ordered if not f.refused),
-        tuple((f.engine, f.refused) for f in ordered if f.refused),
+        tuple(_row(f) for f in ordered if f.answered),
+        tuple((f.engine, absent_text(*f.absent)) for f in ordered if not f.answered),
         advise(found, scenario, ADVISED),
     )
 
@@ -180,10 +180,16 @@ def _alarm(alarm: Alarm, knob: str) -> str:
 
 
 def failures_text(found: Frontier) -> str:
-    """Settings at which the engine broke: "2 of 10 settings broke (diverged, timeout)"; "" for none."""
+    """Settings without an answer: "2 of 10 settings broke (diverged, timeout); 1 of 10 not run"; "" for none."""
     broke = [p for p in found.points if p.broke]
     words = ", ".join(dict.fromkeys(mark(p.cell).word for p in broke))
-    return f"{len(broke)} of {len(found.points)} settings broke ({words})" if broke else ""
+    parts = [f"{len(broke)} of {len(found.points)} settings broke ({words})"] if broke else []
+    return "; ".join(parts + ([f"{found.unrun} of {len(found.points)} not run"] if found.unrun else []))
+
+
+def absent_text(state: str, reason: str) -> str:
+    """ "refused: the scene is not planar"."""
+    return rounded(f"{WORDS[state][1] if state in WORDS else state}: {reason}")
 
 
 def share_text(one: Share, budget: float) -> str:
@@ -199,7 +205,7 @@ def duel_text(one: Duel) -> str:
 def advice_text(advice: Advice) -> list[str]:
     """Advice in sentences."""
     if not advice.choices:
-        return [f"No engine comes down to {target_text(advice.error)}.", *_short_of(advice), *_refusals(advice)]
+        return [f"No engine comes down to {target_text(advice.error)}.", *_short_of(advice), *_absences(advice)]
     first = advice.choices[0]
     lines = [f"Use {setting_text(first.point, first.default)}: error {_measured(first.point)}{_caveat(first.passes)}."]
     if advice.ratio is not None:
@@ -210,7 +216,7 @@ def advice_text(advice: Advice) -> list[str]:
     if default is not None and default.cell.key != first.point.cell.key:
         usual = _otherwise(default, first.point)
         lines.append(f"Its default ({usual}) {_fault(default, first.point, advice.error)}.")
-    return [*lines, *_short_of(advice), *_refusals(advice)]
+    return [*lines, *_short_of(advice), *_absences(advice)]
 
 
 def setting_text(point: Point, default: Point | None) -> str:
@@ -258,5 +264,5 @@ def _short_of(advice: Advice) -> list[str]:
     ]
 
 
-def _refusals(advice: Advice) -> list[str]:
-    return [f"{engine} refuses: {reason}." for engine, reason in advice.refused]
+def _absences(advice: Advice) -> list[str]:
+    return [f"{engine}: {absent_text(state, reason)}." for engine, state, reason in advice.absent]

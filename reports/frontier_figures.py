@@ -112,7 +112,9 @@ def _summary(section: Section) -> str:
     parts = []
     for found in section.found:
         best = found.best
-        told = f"best error {short(best.error, 2)} at {short(best.cost, 2)} ms/s" if best else found.refused or "broke"
+        told = (
+            f"best error {short(best.error, 2)} at {short(best.cost, 2)} ms/s" if best else found.absent[0] or "broke"
+        )
         parts.append(f"{found.engine}: {told}")
     return f"{section.scenario}: {'; '.join(parts)}"
 

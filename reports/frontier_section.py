@@ -31,7 +31,10 @@ def shown(content: Content) -> Mapping[str, Any]:
         "columns": [target_text(t) for t in TARGETS],
         "shares_figure": svg(stairs, 620.0, 280.0) if stairs else "",
         "shares": [(budget, [share_text(one, budget) for one in told.shares]) for budget in BUDGETS],
-        "refused": [one.refused for one in told.shares],
+        "coverage": [
+            ("scenarios refused", [one.refused for one in told.shares]),
+            ("scenarios not run to the end", [one.unfinished for one in told.shares]),
+        ],
         "duels": [(target_text(target), _matrix(content, target)) for target in TARGETS],
         "margin": MARGIN,
         "advised": target_text(ADVISED),
@@ -57,6 +60,6 @@ def _told(section: Section) -> dict[str, Any]:
     return {
         "scenario": section.scenario,
         "rows": section.rows,
-        "refused": section.refused,
+        "absent": section.absent,
         "spoken": advice_text(section.advice),
     }

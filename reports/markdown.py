@@ -139,8 +139,9 @@ def _accuracy(campaign: Campaign) -> list[str]:
     if not told.sections:
         return []
     lines = ["## What accuracy costs in time", "", ACCURACY, ""]
-    lines += _rows(["share reached within", *(f"{short(b)} ms/s" for b in BUDGETS), "scenarios refused"],
-                   [[s.engine, *(share_text(s, b) for b in BUDGETS), str(s.refused)] for s in told.shares])  # fmt: skip
+    head = ["share reached within", *(f"{short(b)} ms/s" for b in BUDGETS), "refused", "not run to the end"]
+    shares = [[s.engine, *(share_text(s, b) for b in BUDGETS), str(s.refused), str(s.unfinished)] for s in told.shares]
+    lines += _rows(head, shares)
     for section in told.sections:
         rows = [[r.engine, *(f"{e.glyph} {e.text}" for e in r.entries), r.order,
                  "; ".join(filter(None, (r.alarm, r.failures)))] for r in section.rows]  # fmt: skip

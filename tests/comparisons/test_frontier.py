@@ -159,7 +159,7 @@ def test_a_refusal_is_no_failure_and_scenarios_without_place_have_no_frontier():
     refused = cell("fall", "b", None, math.nan, state="refused", dt=1e-3)
     other = cell("energy", "a", None, 1.0, dt=1e-3)
     found = frontiers(campaign(*ladder("fall", "a", 1.0), refused, other))
-    assert [(f.scenario, f.engine, bool(f.refused)) for f in found] == [("fall", "a", False), ("fall", "b", True)]
+    assert [(f.scenario, f.engine, f.absent[0]) for f in found] == [("fall", "a", ""), ("fall", "b", "refused")]
 
 
 def test_the_cheapest_curve_reaches_the_target():
@@ -191,6 +191,14 @@ def test_refusals_are_counted_and_not_asked():
     found = frontiers(campaign(*ladder("fall", "a", 1.0), cell("roll", "a", None, 1.0, state="refused", dt=1e-3),
                                *ladder("roll", "b", 1.0)))  # fmt: skip
     assert (share(found, "a").asked, share(found, "a").refused) == (4, 1)
+
+
+def test_what_was_not_run_to_the_end_counts_neither_for_nor_against_anyone():
+    cells = ladder("fall", "a", 1.0) + ladder("fall", "b", 1.0)
+    cells[8] = cell("fall", "a", None, math.nan, state="not-run", dt=STEPS[8], iterations=50.0)
+    found = frontiers(campaign(*cells))
+    assert (share(found, "a").asked, share(found, "a").unfinished, share(found, "b").asked) == (0, 1, 4)
+    assert duel(found, "a", "b", 1e-3).common == 0
 
 
 def test_duels_are_fought_on_common_ground_only():

@@ -62,7 +62,7 @@ def test_rows_say_what_it_takes_or_how_near_it_got(swept):
     assert rows["mujoco"].failures == "1 of 10 settings broke (diverged)"
     assert rows["pybullet"].entries[0].text == "≤ 0.6 ms/s †"
     assert rows["pybullet"].alarm == "▲ finer is worse: dt 1/960 to 1/1920: 0.01 to 0.5"
-    assert section.refused == (("pymunk", "the scene is not planar"),)
+    assert section.absent == (("pymunk", "refused: the scene is not planar"),)
 
 
 def test_every_entry_has_a_glyph_and_a_word(swept):
@@ -100,7 +100,7 @@ def test_advice_says_all_that_was_measured(swept):
     text = " ".join(advice_text(accuracy(swept).sections[0].advice))
     assert text.startswith("Use mujoco (its default settings): error 0.001 at 10 ms/s.")
     assert "pybullet does not get there: best 0.01 at 0.6 ms/s (dt = 0.0166667)." in text
-    assert text.endswith("pymunk refuses: the scene is not planar.")
+    assert text.endswith("pymunk: refused: the scene is not planar.")
 
 
 def test_the_page_and_the_summary_tell_it_and_verdicts_are_of_the_defaults(swept):
