@@ -38,11 +38,22 @@ def normalised(q: Quats) -> Quats:
     return q / np.linalg.norm(q, axis=-1, keepdims=True)
 
 
+def cross(a: Vectors, b: Vectors) -> Vectors:
+    """a × b, bit for bit what np.cross gives, which takes three times as long for a single pair."""
+    out = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    a0, a1, a2 = a[..., 0], a[..., 1], a[..., 2]
+    b0, b1, b2 = b[..., 0], b[..., 1], b[..., 2]
+    out[..., 0] = a1 * b2 - a2 * b1
+    out[..., 1] = a2 * b0 - a0 * b2
+    out[..., 2] = a0 * b1 - a1 * b0
+    return out
+
+
 def rotate(q: Quats, vector: Vectors) -> Vectors:
     """Body vector(s) turned into the world frame, R(q) v, without building the matrix."""
     u = q[..., 1:]
-    twice = 2.0 * np.cross(u, vector)
-    return vector + q[..., :1] * twice + np.cross(u, twice)
+    twice = 2.0 * cross(u, vector)
+    return vector + q[..., :1] * twice + cross(u, twice)
 
 
 def unrotate(q: Quats, vector: Vectors) -> Vectors:

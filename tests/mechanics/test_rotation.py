@@ -35,6 +35,12 @@ def test_the_matrix_rotates_like_the_quaternion(q, v):
     assert np.linalg.det(m) == pytest.approx(1.0, abs=1e-14)
 
 
+@pytest.mark.parametrize("shapes", [((3,), (3,)), ((7, 3), (3,)), ((3,), (7, 3)), ((2, 1, 3), (5, 3))])
+def test_the_cross_product_is_numpys_bit_for_bit(shapes):
+    a, b = (np.random.default_rng(3).normal(size=shape) for shape in shapes)
+    assert np.array_equal(rotation.cross(a, b), np.cross(a, b))
+
+
 @given(units)
 def test_the_quaternion_of_a_matrix_is_the_same_orientation(q):
     assert rotation.angle_between(rotation.from_matrix(rotation.matrix(q)), q) < 1e-14
