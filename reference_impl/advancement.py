@@ -19,8 +19,8 @@ import math
 
 import numpy as np
 
-from reference_impl.flight import attitude, order
 from reference_impl.kernels import apply_transposed, cross, dot, kernel, norm
+from reference_impl.segments import attitude, order
 
 CLEAR, HIT, TIRED = 0, 1, 2
 EVALUATIONS = 5000  # of one call; a search that needs more goes on in the next call

@@ -13,8 +13,8 @@ import numpy as np
 from reference_impl.advancement import CLEAR, EVALUATIONS, HIT, TIRED, difference, root, safe, shadow, swing
 from reference_impl.collide.boxes import axis, separations
 from reference_impl.collide.primitives import corner
-from reference_impl.flight import where
 from reference_impl.kernels import angular_velocity, apply, apply_transposed, cross, dot, kernel, matrix, norm
+from reference_impl.segments import where
 
 
 @kernel

@@ -16,8 +16,8 @@ import numpy as np
 
 from reference_impl.advancement import CLEAR, EVALUATIONS, HIT, TIRED, difference, room, root, swing
 from reference_impl.advancement_boxes import relative
-from reference_impl.flight import where
 from reference_impl.kernels import angular_velocity, apply, apply_transposed, cross, dot, kernel, matrix, norm
+from reference_impl.segments import where
 
 REFINEMENTS = 60  # Newton steps of `rim_root`, which converge quadratically and from one side
 

@@ -14,10 +14,10 @@ import numpy as np
 from reference_impl.collocation import NUDGE, Collocation, table
 from reference_impl.effects.resting import Island, Pose, Push, push, rounding
 from reference_impl.effects.sliding import Grip, grip_of, reversing, rough_push, slip_of, stiffness
-from reference_impl.flight import driven_momentum, where
 from reference_impl.integrators import RungeKutta8, hermite
 from reference_impl.kernels import kernel, matrix, spin, spin_rate
 from reference_impl.rough import limits
+from reference_impl.segments import driven_momentum, where
 
 if TYPE_CHECKING:
     from reference_impl.world import World

@@ -30,21 +30,9 @@ def guessed(g, c, d, mu, slides, states, way, unit, level, r, x, u):
         Become forces, motion and relative motion, r and u of the rows as given.
     """
     m, k = len(mu), g.shape[1]
-    square, scale = 0.0, 1e-300
-    for i in range(m):
-        length = 0.0
-        for j in range(k):
-            length += g[3 * i, j] * g[3 * i, j]
-        length = math.sqrt(length)
-        for e in range(3 * i, 3 * i + 3):
-            level[e] = d[e] / length
-            scale = max(scale, abs(level[e]))
-            for j in range(k):
-                unit[e, j] = g[e, j] / length
+    scale = _scaled(g, c, d, unit, level)
     for j in range(k):
-        square += c[j] * c[j]
         x[j] = c[j]
-    scale = max(scale, math.sqrt(square))
     r[:] = 0.0
     if not hold(unit, c, level, mu, states, way, r, x):
         return math.inf
@@ -72,11 +60,31 @@ def guessed(g, c, d, mu, slides, states, way, unit, level, r, x, u):
         if r[3 * i] > 0.0 or u[3 * i] <= CLOSED * scale:
             full = pull >= (1.0 - FULL) * mu[i] * r[3 * i] and slip > CLOSED * scale
             states[i] = SLIPS if slides[i] or full else HOLDS
-        length = 0.0
-        for j in range(k):
-            length += g[3 * i, j] * g[3 * i, j]
-        length = math.sqrt(length)
+        length = _length(g[3 * i])
         for e in range(3 * i, 3 * i + 3):
             r[e] /= length
             u[e] *= length
     return worst
+
+
+@kernel
+def _length(row):
+    """Euclidean norm."""
+    square = 0.0
+    for j in range(len(row)):
+        square += row[j] * row[j]
+    return math.sqrt(square)
+
+
+@kernel
+def _scaled(g, c, d, unit, level):
+    """The rows g and d with normal rows of unit length, into `unit` and `level`; returns the size of the motion."""
+    scale = 1e-300
+    for i in range(len(g) // 3):
+        length = _length(g[3 * i])
+        for e in range(3 * i, 3 * i + 3):
+            level[e] = d[e] / length
+            scale = max(scale, abs(level[e]))
+            for j in range(g.shape[1]):
+                unit[e, j] = g[e, j] / length
+    return max(scale, _length(c))

@@ -17,8 +17,8 @@ from reference_impl.contact_problem import NoSolution
 from reference_impl.course import Course
 from reference_impl.effects.resting import Pose, Push
 from reference_impl.errors import Stalled
-from reference_impl.flight import where
 from reference_impl.rough import jam
+from reference_impl.segments import where
 from reference_impl.world import World
 
 DEEP = 10.0  # overlap that sends a step back: what counts as touching by the tolerance alone [search tolerance]

@@ -16,10 +16,11 @@ from reference_impl.broad_phase import MANY, keep_apart
 from reference_impl.collide.detect import Contacts, Detector, Search
 from reference_impl.contact_problem import Kept
 from reference_impl.errors import Stalled, Unsupported
-from reference_impl.flight import carry, driven_flight, driven_momentum, fly_on, free_flight, spins
+from reference_impl.flight import driven_flight, fly_on, free_flight
 from reference_impl.links import Links
 from reference_impl.parts import Parts
 from reference_impl.record import Held, Record
+from reference_impl.segments import carry, driven_momentum, spins
 from reference_impl.settings import Settings
 from reference_impl.state import Bodies, Motion
 

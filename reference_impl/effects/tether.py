@@ -26,9 +26,9 @@ from reference_impl.advancement import CLEAR, EVALUATIONS, HIT, TIRED
 from reference_impl.collide.features import CORD, REAL, WHOLE
 from reference_impl.collide.pair import Found, Limits, Pair
 from reference_impl.errors import Unsupported
-from reference_impl.flight import where
 from reference_impl.kernels import angular_velocity, apply, cross, dot, kernel, matrix, norm
 from reference_impl.parts import Parts
+from reference_impl.segments import where
 from reference_impl.state import Motion
 
 LONGER = 1e-9  # by which a tether may be too long at the start [its length]
