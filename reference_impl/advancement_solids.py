@@ -1,9 +1,7 @@
 """Advancement of solids (meshes, boxes, capsules, spheres) that need not be convex; see `advancement`.
 
-Every pair of cells is followed on its own, those far apart by the balls of their trees.  Two cells are
-apart exactly if one of a few directions separates them: the normals of both, the products of their edges,
-the normals of their edges in their own planes; and where radii keep the cells apart, the directions between
-their vertices and from vertices to edges.
+Every pair of cells is followed on its own, those far apart by the balls of their trees; cells along the directions
+that may separate them.
 """
 
 from __future__ import annotations
@@ -14,108 +12,17 @@ import numpy as np
 
 from reference_impl.advancement import CLEAR, EVALUATIONS, HIT, TIRED, difference, room, root, swing
 from reference_impl.advancement_boxes import relative
+from reference_impl.collide.cell_axes import (
+    ALL_AXES,
+    SHARP_AXES,
+    axis_of_cells,
+    between,
+    place_cell,
+    separation_along,
+    separations_of_cells,
+)
 from reference_impl.collide.solids import halves
-from reference_impl.kernels import along, angular_velocity, apply, cross, dot, kernel, matrix, minus, norm
-
-SHARP_AXES, ALL_AXES = 17, 44
-PARALLEL = 1e-8  # sine of the angle below which two edges have no product
-
-
-@kernel
-def _cell(solid, cell, rotation, w, arms, spins):
-    """Vertices of a cell relative to its body's centre, and their velocities by its rotation."""
-    for k in range(3):
-        arm = apply(rotation, solid.points[solid.cells[cell, k]])
-        spin = cross(w, arm)
-        for c in range(3):
-            arms[k, c], spins[k, c] = arm[c], spin[c]
-
-
-@kernel
-def _between(r, a, b):
-    """r + a - b: from a point of b to one of a, whose bodies' centres are r apart."""
-    out = np.empty(3)
-    for c in range(3):
-        out[c] = r[c] + a[c] - b[c]
-    return out
-
-
-@kernel
-def _unit(m, dm, least, n, dn):
-    """Unit vector along m and its rate; False if m is shorter than `least`."""
-    size = norm(m)
-    if size <= least:
-        return False
-    stretch = dot(m, dm) / (size * size)
-    for c in range(3):
-        n[c] = m[c] / size
-        dn[c] = (dm[c] - stretch * m[c]) / size
-    return True
-
-
-@kernel
-def _axis(k, r, v, pa, da, wa, pb, db, wb, n, dn):
-    """Direction number k of two cells, and its rate as their features turn; False if there is none.
-
-    0, 1: normals; 2-10: edge of a × edge of b; 11-13 and 14-16: normals of the edges in the planes of a and
-    b; 17-25: vertex of a to edge of b; 26-34: edge of a to vertex of b; 35-43: vertex to vertex.
-    """
-    if k < 2 or 11 <= k < 17:
-        p, w = (pa, wa) if k == 0 or 11 <= k < 14 else (pb, wb)
-        m = cross(minus(p[1], p[0]), minus(p[2], p[0]))
-        if k >= 11:
-            i = (k - 11) % 3
-            m = cross(m, minus(p[(i + 1) % 3], p[i]))
-        return _unit(m, cross(w, m), 0.0, n, dn)
-    if k < 11:
-        i, j = (k - 2) // 3, (k - 2) % 3
-        e, f = minus(pa[(i + 1) % 3], pa[i]), minus(pb[(j + 1) % 3], pb[j])
-        rate = along(cross(cross(wa, e), f), 1.0, cross(e, cross(wb, f)))
-        return _unit(cross(e, f), rate, PARALLEL * norm(e) * norm(f), n, dn)
-    i, j = (k - 17) % 9 // 3, (k - 17) % 3
-    m, dm = _between(r, pa[i], pb[j]), _between(v, da[i], db[j])
-    if k < 35:
-        e = minus(pb[(j + 1) % 3], pb[j]) if k < 26 else minus(pa[(i + 1) % 3], pa[i])
-        size = norm(e)
-        if size == 0.0:
-            return False
-        for c in range(3):
-            e[c] /= size
-        de = cross(wb if k < 26 else wa, e)
-        s = dot(m, e)
-        ds = dot(dm, e) + dot(m, de)
-        return _unit(along(m, -s, e), along(along(dm, -ds, e), -s, de), 0.0, n, dn)
-    return _unit(m, dm, 0.0, n, dn)
-
-
-@kernel
-def _separation(r, pa, pb, n):
-    """Separation of two cells along n or -n, whichever is greater [m], and the sign of that direction."""
-    low_a = high_a = dot(n, pa[0])
-    low_b = high_b = dot(n, pb[0])
-    for k in range(1, 3):
-        f, g = dot(n, pa[k]), dot(n, pb[k])
-        low_a, high_a, low_b, high_b = min(low_a, f), max(high_a, f), min(low_b, g), max(high_b, g)
-    base = dot(n, r)
-    forth, back = base + low_a - high_b, low_b - base - high_a
-    return (forth, 1.0) if forth >= back else (back, -1.0)
-
-
-@kernel
-def _separations(r, v, pa, da, wa, pb, db, wb, count, lead, out):
-    """Separation along the first `count` directions, -inf where there is none; number of the best.
-
-    A normal wins over everything that is better by less than `lead`.
-    """
-    n, dn = np.empty(3), np.empty(3)
-    best = 0
-    for k in range(count):
-        out[k] = -np.inf
-        if _axis(k, r, v, pa, da, wa, pb, db, wb, n, dn):
-            out[k] = _separation(r, pa, pb, n)[0]
-        if out[k] > out[best] + (lead if k >= 2 and best < 2 else 0.0):
-            best = k
-    return best
+from reference_impl.kernels import angular_velocity, apply, cross, dot, kernel, matrix, norm
 
 
 @kernel
@@ -164,6 +71,25 @@ def _balls(solid, i, rotation, w, centre, spin):
 
 
 @kernel
+def _centre(p, d, centre, velocity):
+    """Refer vertices of a cell and their velocities to the centre of the vertices, which is added to the last two.
+
+    Returns the greatest distance of a vertex from it [m].
+    """
+    for k in range(3):
+        for c in range(3):
+            centre[c] += p[k, c] / 3.0
+            velocity[c] += d[k, c] / 3.0
+    size = 0.0
+    for k in range(3):
+        for c in range(3):
+            p[k, c] -= centre[c]
+            d[k, c] -= velocity[c]
+        size = max(size, norm(p[k]))
+    return size
+
+
+@kernel
 def _cells_clear(
     i, j, r, v, sa, ra, wa, bounds_a, sb, rb, wb, bounds_b, pull, window, tolerance, speed, reach, parting,
     learn, kept, out
@@ -174,24 +100,11 @@ def _cells_clear(
     for others.  Everything is referred to the centres of the cells' vertices, which keeps the bound low.
     """
     pa, da, pb, db = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    _cell(sa, i, ra, wa, pa, da)
-    _cell(sb, j, rb, wb, pb, db)
+    place_cell(sa, i, ra, wa, pa, da)
+    place_cell(sb, j, rb, wb, pb, db)
     ca, cb, va, vb = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
-    for k in range(3):
-        for c in range(3):
-            ca[c] += pa[k, c] / 3.0
-            cb[c] += pb[k, c] / 3.0
-            va[c] += da[k, c] / 3.0
-            vb[c] += db[k, c] / 3.0
-    size_a = size_b = 0.0
-    for k in range(3):
-        for c in range(3):
-            pa[k, c] -= ca[c]
-            pb[k, c] -= cb[c]
-            da[k, c] -= va[c]
-            db[k, c] -= vb[c]
-        size_a, size_b = max(size_a, norm(pa[k])), max(size_b, norm(pb[k]))
-    r, v = _between(r, ca, cb), _between(v, va, vb)
+    size_a, size_b = _centre(pa, da, ca, va), _centre(pb, db, cb, vb)
+    r, v = between(r, ca, cb), between(v, va, vb)
     pull += norm(ca) * (bounds_a[4] ** 2 + bounds_a[5]) + norm(cb) * (bounds_b[4] ** 2 + bounds_b[5])
     distance, pace, radii = norm(r), norm(v), sa.radius + sb.radius
     window = min(window, distance / pace if pace > 0.0 else np.inf)
@@ -199,15 +112,15 @@ def _cells_clear(
     count = ALL_AXES if radii > 0.0 else SHARP_AXES
     best, mask = kept[0], kept[2]
     if best < 0:
-        best = _separations(r, v, pa, da, wa, pb, db, wb, count, reach if learn else tolerance, values)
+        best = separations_of_cells(r, v, pa, da, wa, pb, db, wb, count, reach if learn else tolerance, values)
     longest, least = -1.0, values[best] - radii - tolerance
     out[0], out[1] = np.inf, 0.0
     for k in range(count):
         if k != best and (kept[0] >= 0 or values[k] - radii < min(0.5 * (values[best] - radii), least)):
             continue
-        if not _axis(k, r, v, pa, da, wa, pb, db, wb, n, dn):
+        if not axis_of_cells(k, r, v, pa, da, wa, pb, db, wb, n, dn):
             continue
-        sign = float(kept[1]) if kept[0] >= 0 else _separation(r, pa, pb, n)[1]
+        sign = float(kept[1]) if kept[0] >= 0 else separation_along(r, pa, pb, n)[1]
         for c in range(3):
             n[c] *= sign
             dn[c] *= sign
@@ -384,24 +297,25 @@ def separation(r, v, ra, wa, sa, rb, wb, sb):
     ca, va, cb, vb = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     values, n, dn = np.empty(ALL_AXES), np.empty(3), np.empty(3)
     radii = sa.radius + sb.radius
+    count = ALL_AXES if radii > 0.0 else SHARP_AXES
     while top > 0:
         top -= 1
         i, j = stack[top, 0], stack[top, 1]
         _balls(sa, i, ra, wa, ca, va)
         _balls(sb, j, rb, wb, cb, vb)
-        if norm(_between(r, ca, cb)) - sa.ball[i, 3] - sb.ball[j, 3] - radii >= least:
+        if norm(between(r, ca, cb)) - sa.ball[i, 3] - sb.ball[j, 3] - radii >= least:
             continue
         if sa.child[i, 0] < 0 and sb.child[j, 0] < 0:
-            _cell(sa, sa.child[i, 1], ra, wa, pa, da)
-            _cell(sb, sb.child[j, 1], rb, wb, pb, db)
-            best = _separations(r, v, pa, da, wa, pb, db, wb, ALL_AXES if radii > 0.0 else SHARP_AXES, 0.0, values)
+            place_cell(sa, sa.child[i, 1], ra, wa, pa, da)
+            place_cell(sb, sb.child[j, 1], rb, wb, pb, db)
+            best = separations_of_cells(r, v, pa, da, wa, pb, db, wb, count, 0.0, values)
             if values[best] - radii < least:
                 least = values[best] - radii
-                _axis(best, r, v, pa, da, wa, pb, db, wb, n, dn)
-                sign = _separation(r, pa, pb, n)[1]
+                axis_of_cells(best, r, v, pa, da, wa, pb, db, wb, n, dn)
+                sign = separation_along(r, pa, pb, n)[1]
                 i = _lowest(pa, n, sign)
                 j = _lowest(pb, n, -sign)
-                slope = sign * (dot(n, _between(v, da[i], db[j])) + dot(dn, _between(r, pa[i], pb[j])))
+                slope = sign * (dot(n, between(v, da[i], db[j])) + dot(dn, between(r, pa[i], pb[j])))
         else:
             top = halves(stack, top, i, j, sa.child, sa.ball, sb.child, sb.ball)
     return least, slope
