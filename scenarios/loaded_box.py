@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from mechanics.effects import Force, Gravity, Resting, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
-from scenarios.resting import EDGE, still, still_checks
+from scenarios.resting import EDGE, standing
 from scenarios.scenario import Scenario, scenario
 from scenarios.tolerance import GRAVITY
 
@@ -35,14 +35,13 @@ def loaded_box(load: float = 20.0, offset: float = 0.6) -> Scenario:
     box = Body("box", Box(SIZE), MASS, (0.0, 0.0, 0.5 * SIZE[2]))
     push = Force("box", (0.0, 0.0, -load), point=(offset, 0.0, 0.5 * SIZE[2]))
     scene = Scene((Body("floor", HalfSpace()), box), (Gravity(), Resting(), Rotation(), push))
-    return Scenario(
-        scene=scene,
+    return standing(
+        scene,
+        1,
+        about=(Gravity, Resting, Force),
+        source="statics: the floor carries m g + P at P d/(m g + P) from the middle; Baraff, SIGGRAPH 1994",
         duration=5.0,
         sampling=0.05,
-        truth=still(scene),
-        checks=still_checks(1),
-        source="statics: the floor carries m g + P at P d/(m g + P) from the middle; Baraff, SIGGRAPH 1994",
-        about=(Gravity, Resting, Force),
     )
 
 
@@ -72,14 +71,13 @@ def uneven_stack(growth: float = 2.0, count: int = 5) -> Scenario:
     """
     boxes = tower([growth**k for k in range(count)])
     scene = Scene((Body("floor", HalfSpace()), *boxes), (Gravity(), Resting(), Rotation()))
-    return Scenario(
-        scene=scene,
+    return standing(
+        scene,
+        count,
+        about=(Gravity, Resting),
+        source="statics: contact k carries the weight above it",
         duration=3.0,
         sampling=0.05,
-        truth=still(scene),
-        checks=still_checks(count),
-        source="statics: contact k carries the weight above it",
-        about=(Gravity, Resting),
     )
 
 
@@ -108,12 +106,6 @@ def overhanging_stack(count: int = 3, share: float = 0.99) -> Scenario:
         blocks.append(Body(f"block-{k + 1}", Box((length, 0.5, thick)), 1.0, place))
         reach += 0.5 * length / (count - k - 1) if k < count - 1 else 0.0
     scene = Scene((Body("table", HalfSpace()), *blocks), (Gravity(), Resting(), Rotation()))
-    return Scenario(
-        scene=scene,
-        duration=3.0,
-        sampling=0.05,
-        truth=still(scene),
-        checks=still_checks(count),
-        source="Hall, Am. J. Phys. 73 (2005) 1107",
-        about=(Gravity, Resting),
+    return standing(
+        scene, count, about=(Gravity, Resting), source="Hall, Am. J. Phys. 73 (2005) 1107", duration=3.0, sampling=0.05
     )

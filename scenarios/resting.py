@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from mechanics.effects import Effect, Friction, Gravity, Resting, Rotation
@@ -36,17 +38,30 @@ def still_checks(contacts: int) -> tuple[Check, ...]:
     )
 
 
-def standing(scene: Scene, contacts: int, *, about: tuple[type[Effect], ...], source: str) -> Scenario:
-    """A scene in which nothing must happen for two seconds; `contacts` as in `still_checks`."""
+def at_rest(
+    scene: Scene,
+    checks: tuple[Check, ...],
+    *,
+    about: tuple[type[Effect], ...],
+    source: str,
+    duration: float = 2.0,
+    sampling: float = 0.02,
+) -> Scenario:
+    """A scene in which nothing must happen."""
     return Scenario(
         scene=scene,
-        duration=2.0,
-        sampling=0.02,
+        duration=duration,
+        sampling=sampling,
         truth=still(scene),
-        checks=still_checks(contacts),
+        checks=checks,
         source=source,
         about=about,
     )
+
+
+def standing(scene: Scene, contacts: int, **told: Any) -> Scenario:
+    """As `at_rest`, with the checks of `still_checks(contacts)`."""
+    return at_rest(scene, still_checks(contacts), **told)
 
 
 @scenario(tags=("resting", "box"))
@@ -58,14 +73,8 @@ def resting_box() -> Scenario:
     """
     box = Body("box", Box((2.0, 1.0, 0.5)), mass=7.0, position=(0.0, 0.0, 0.25))
     scene = Scene((Body("floor", HalfSpace()), box), (Gravity(), Resting(), Rotation()))
-    return Scenario(
-        scene=scene,
-        duration=5.0,
-        sampling=0.05,
-        truth=still(scene),
-        checks=still_checks(1),
-        source="statics; Baraff, SIGGRAPH 1994",
-        about=(Gravity, Resting),
+    return standing(
+        scene, 1, about=(Gravity, Resting), source="statics; Baraff, SIGGRAPH 1994", duration=5.0, sampling=0.05
     )
 
 
@@ -83,12 +92,11 @@ def stack(count: int = 2, mu: float = 0.0) -> Scenario:
     boxes = [Body(f"box-{k + 1}", Box((EDGE, EDGE, EDGE)), 1.0, (0.0, 0.0, EDGE * (k + 0.5))) for k in range(count)]
     effects = (Gravity(), Resting(), Rotation(), *((Friction(mu),) if mu else ()))
     scene = Scene((Body("floor", HalfSpace()), *boxes), effects)
-    return Scenario(
-        scene=scene,
+    return standing(
+        scene,
+        count,
+        about=(Gravity, Resting),
+        source="statics: contact k carries the weight above it",
         duration=3.0,
         sampling=0.05,
-        truth=still(scene),
-        checks=still_checks(count),
-        source="statics: contact k carries the weight above it",
-        about=(Gravity, Resting),
     )

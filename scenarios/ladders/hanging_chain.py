@@ -6,7 +6,7 @@ from mechanics.effects import Gravity, Hinge, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, Sphere
 from scenarios.ladder import STABLE, Ladder
-from scenarios.resting import still
+from scenarios.resting import at_rest
 from scenarios.scenario import Check, Scenario, scenario
 
 LINK, LOAD = 0.25, 100.0  # [m], [kg]; a binary fraction: the links meet bit by bit
@@ -28,14 +28,11 @@ def hanging_chain(links: int = 1) -> Scenario:
     hinges.append(Hinge(bodies[-1].name, "load", point=end))
     bodies.append(Body("load", Sphere(0.125), LOAD, end))
     scene = Scene(tuple(bodies), (Gravity(), Rotation(), *hinges))
-    return Scenario(
-        scene=scene,
-        duration=2.0,
-        sampling=0.02,
-        truth=still(scene),
-        checks=(STABLE, Check("drift", 0.5 * LINK, STRETCHED + ": a chain that is longer by that has come apart")),
-        source="statics: hinge k carries the load and the links below it",
+    return at_rest(
+        scene,
+        (STABLE, Check("drift", 0.5 * LINK, STRETCHED + ": a chain that is longer by that has come apart")),
         about=(Gravity, Hinge),
+        source="statics: hinge k carries the load and the links below it",
     )
 
 

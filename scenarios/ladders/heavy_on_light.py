@@ -6,7 +6,7 @@ from mechanics.effects import Friction, Gravity, Resting, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
 from scenarios.ladder import STABLE, Ladder
-from scenarios.resting import still
+from scenarios.resting import at_rest
 from scenarios.scenario import Check, Scenario, scenario
 
 SUNK = "a twentieth of an edge: seen with the naked eye"
@@ -24,14 +24,13 @@ def heavy_on_light(ratio: float = 1.0, edge: float = 1.0) -> Scenario:
         Body(f"box-{k + 1}", Box((edge, edge, edge)), m, (0.0, 0.0, edge * (k + 0.5))) for k, m in enumerate(masses)
     ]
     scene = Scene((Body("floor", HalfSpace()), *boxes), (Gravity(), Friction(0.5), Resting(), Rotation()))
-    return Scenario(
-        scene=scene,
+    return at_rest(
+        scene,
+        (STABLE, Check("drift", 0.05 * edge, SUNK, exact=1e-9 * edge)),
+        about=(Gravity, Friction, Resting),
+        source="statics; mass ratios of Le Lidec et al., IEEE Trans. Robotics 2024",
         duration=3.0,
         sampling=0.05,
-        truth=still(scene),
-        checks=(STABLE, Check("drift", 0.05 * edge, SUNK, exact=1e-9 * edge)),
-        source="statics; mass ratios of Le Lidec et al., IEEE Trans. Robotics 2024",
-        about=(Gravity, Friction, Resting),
     )
 
 

@@ -9,7 +9,7 @@ from mechanics.rotation import about
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
 from scenarios.ladder import STABLE, Ladder
-from scenarios.resting import still
+from scenarios.resting import at_rest
 from scenarios.scenario import Check, Scenario, scenario
 
 SIZE, SLOPE = (0.4, 0.4, 0.1), math.radians(20.0)  # [m], [rad]
@@ -27,14 +27,11 @@ def near_slipping(margin: float = 1.0) -> Scenario:
     block = Body("block", Box(SIZE), 2.0, place, tuple(about((0.0, 1.0, 0.0), SLOPE).tolist()))
     friction = Friction(math.tan(SLOPE) * (1.0 + margin))
     scene = Scene((Body("plane", HalfSpace(normal)), block), (Gravity(), friction, Resting()))
-    return Scenario(
-        scene=scene,
-        duration=2.0,
-        sampling=0.02,
-        truth=still(scene),
-        checks=(STABLE, Check("drift", 0.01 * SIZE[0], CREPT)),
-        source="Coulomb: a block stays on a slope as long as tan α <= µ",
+    return at_rest(
+        scene,
+        (STABLE, Check("drift", 0.01 * SIZE[0], CREPT)),
         about=(Friction, Resting),
+        source="Coulomb: a block stays on a slope as long as tan α <= µ",
     )
 
 

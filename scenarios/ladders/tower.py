@@ -6,7 +6,7 @@ from mechanics.effects import Friction, Gravity, Resting, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
 from scenarios.ladder import STABLE, Ladder
-from scenarios.resting import still
+from scenarios.resting import at_rest
 from scenarios.scenario import Check, Scenario, scenario
 from scenarios.tolerance import GRAVITY
 
@@ -28,14 +28,13 @@ def tower(count: int = 1, edge: float = 1.0, scale: float = 1.0) -> Scenario:
     boxes = [Body(f"box-{k + 1}", Box((size, size, size)), 1.0, (0.0, 0.0, size * (k + 0.5))) for k in range(count)]
     effects = (Gravity((0.0, 0.0, -GRAVITY * scale)), Friction(0.5), Resting(), Rotation())
     scene = Scene((Body("floor", HalfSpace()), *boxes), effects)
-    return Scenario(
-        scene=scene,
+    return at_rest(
+        scene,
+        (STABLE, Check("drift", 0.25 * size, PLACE, exact=1e-9 * size)),
+        about=(Gravity, Friction, Resting),
+        source="statics; the towers of Baraff, SIGGRAPH 1994, and of every engine's demonstration",
         duration=3.0,
         sampling=0.05,
-        truth=still(scene),
-        checks=(STABLE, Check("drift", 0.25 * size, PLACE, exact=1e-9 * size)),
-        source="statics; the towers of Baraff, SIGGRAPH 1994, and of every engine's demonstration",
-        about=(Gravity, Friction, Resting),
     )
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from mechanics.effects import Friction, Gravity, Resting, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
 from scenarios.exhibit import Exhibit, Remedy
-from scenarios.resting import still
+from scenarios.resting import at_rest
 from scenarios.scenario import Check, Scenario, scenario
 
 MU = 0.5
@@ -34,14 +36,15 @@ def _tower(masses: list[float], edge: float) -> Scenario:
         for k, mass in enumerate(masses)
     ]
     scene = Scene((Body("floor", HalfSpace()), *boxes), (Gravity(), Friction(MU), Resting(), Rotation()))
-    return Scenario(
-        scene=scene,
-        duration=5.0,
-        sampling=0.05,
-        truth=still(scene),
-        checks=(Check("drift", 0.01 * edge, "one per cent of an edge: more is seen with the naked eye"),),
-        source="statics: contact k carries the weight above it",
-        about=(Gravity, Resting, Friction),
+    return replace(
+        at_rest(
+            scene,
+            (Check("drift", 0.01 * edge, "one per cent of an edge: more is seen with the naked eye"),),
+            about=(Gravity, Resting, Friction),
+            source="statics: contact k carries the weight above it",
+            duration=5.0,
+            sampling=0.05,
+        ),
         exhibit=EXHIBIT,
     )
 
