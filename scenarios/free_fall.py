@@ -29,6 +29,23 @@ def parabola(scene: Scene) -> Truth:
     return truth
 
 
+def flight(scene: Scene, duration: float, source: str) -> Scenario:
+    """Free flight of the bodies of a scene for `duration` [s]."""
+    return Scenario(
+        scene=scene,
+        duration=duration,
+        sampling=0.01,
+        truth=parabola(scene),
+        checks=(
+            first_order("position error", GRAVITY * duration * STEP / 2.0, "m", "g t h/2 of semi-implicit Euler"),
+            rounding("velocity error", "every consistent scheme is exact for constant acceleration", exact=1e-11),
+            rounding("energy error, synchronised", "with x and v at one time level no scheme errs on a parabola"),
+        ),
+        source=source,
+        about=(Gravity,),
+    )
+
+
 @scenario(
     tags=("flight",),
     suites=("smoke", "standard"),
@@ -42,18 +59,4 @@ def free_fall(height: float = 20.0, mass: float = 1.0) -> Scenario:
     damping shows at once, and the offset g t h/2 tells which integrator is at work.  Mass drops out.
     """
     ball = Body("ball", Sphere(0.1), mass=mass, position=(0.0, 0.0, height))
-    scene = Scene((ball,), (Gravity(),))
-    duration = 1.5
-    return Scenario(
-        scene=scene,
-        duration=duration,
-        sampling=0.01,
-        truth=parabola(scene),
-        checks=(
-            first_order("position error", GRAVITY * duration * STEP / 2.0, "m", "g t h/2 of semi-implicit Euler"),
-            rounding("velocity error", "every consistent scheme is exact for constant acceleration", exact=1e-11),
-            rounding("energy error, synchronised", "with x and v at one time level no scheme errs on a parabola"),
-        ),
-        source=SOURCE,
-        about=(Gravity,),
-    )
+    return flight(Scene((ball,), (Gravity(),)), 1.5, SOURCE)
