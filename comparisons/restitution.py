@@ -265,7 +265,7 @@ def _windows(pair: _Pair) -> tuple[np.ndarray, np.ndarray]:
     """Samples before and after each impact: runs of intervals in which b pushes a.
 
     A soft contact pushes over many intervals and ends when the bodies are apart; a body that stays is
-    pushed for ever, but after the first interval gains no more speed: there the fastest separation counts.
+    pushed for ever, and there the fastest separation counts.
     A push that leaves the bodies approaching belongs to the next one.
     """
     u = np.einsum("ti,ti->t", pair.normal, pair.w)
@@ -274,24 +274,26 @@ def _windows(pair: _Pair) -> tuple[np.ndarray, np.ndarray]:
     for first, stop in zip(np.flatnonzero(edges == 1).tolist(), np.flatnonzero(edges == -1).tolist(), strict=True):
         enough = u[first + 1 : stop + 1] >= u[first + 1 : stop + 1].max() - 0.01 * abs(u[first])
         last = first + 1 + int(np.argmax(enough))
-        if stop > first + 1 and u[stop] > 0.01 * abs(u[first]):
-            first, last = _in_touch(pair.gap, first, stop)
+        if stop > first + 1:
+            first, last = _through(pair.gap, u, first, stop) or (first, last)
         if windows and u[windows[-1][1]] < -0.01 * abs(u[windows[-1][0]]):
             first = windows.pop()[0]
         windows.append((first, last))
     return np.array([w[0] for w in windows]), np.array([w[1] for w in windows])
 
 
-def _in_touch(gap: np.ndarray, first: int, last: int) -> tuple[int, int]:
-    """The samples `first` and `last` moved out of the overlap they lie in, where a soft contact still pushes a little.
+def _through(gap: np.ndarray, u: np.ndarray, first: int, last: int) -> tuple[int, int] | None:
+    """The samples before and after a soft contact from which the bodies part, or None if they stay in touch.
 
-    The last sample of all stays the last.
+    Moved out of the overlap, where such a contact still pushes a little.  What comes off is fastest in the end;
+    what is damped more is fastest on the way, and creeps back to the surface.
     """
     while first > 0 and gap[first] < 0.0:
         first -= 1
     while last < len(gap) - 1 and gap[last] < 0.0:
         last += 1
-    return first, last
+    apart = gap[last] > 0.0 and u[last] > max(0.9 * u[first : last + 1].max(), 0.01 * abs(u[first]))
+    return (first, last) if apart else None
 
 
 @dataclass(frozen=True)

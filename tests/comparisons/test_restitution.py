@@ -182,6 +182,23 @@ def test_a_soft_contact_under_gravity_gives_back_what_came_in(interval):
     assert found.e == pytest.approx([1.0], abs=0.01 + G * interval / u)
 
 
+@pytest.mark.parametrize("interval", [1e-2, 2e-3])
+def test_a_contact_damped_too_much_to_part_is_measured_where_it_is_fastest(interval):
+    """Critically damped, z = -u s exp(-w s) for ever: fastest up at s = 2/w, with e = exp(-2), and never out again."""
+    w, u = 100.0, 4.43
+    t = np.arange(0.0, 0.6, interval)
+    s = t - 0.1003
+    z = np.where(s < 0.0, -u * s, -u * s * np.exp(-w * np.maximum(s, 0.0)))
+    v = np.where(s < 0.0, -u, -u * (1.0 - w * s) * np.exp(-w * np.maximum(s, 0.0)))
+    scene = Scene((FLOOR, Body("ball", Sphere(0.1), 1.0, (0.0, 0.0, 1.0))), (Restitution(1.0),))
+    x = np.zeros((len(t), 2, 3))
+    velocity = np.zeros_like(x)
+    x[:, 1, 2], velocity[:, 1, 2] = 0.1 + z, v
+    motion = Trajectory(t, x, np.tile([1.0, 0.0, 0.0, 0.0], (len(t), 2, 1)), velocity, np.zeros_like(x))
+    (found,) = impacts(scene, motion)
+    assert found.e[:1] == pytest.approx([np.exp(-2.0)], abs=0.02)
+
+
 def test_a_landing_that_stays_has_no_restitution():
     t = np.arange(0.0, 1.0, 0.01)
     (found,) = impacts(*dropped(Sphere(0.1), 0.1, 1.0, 0.8, t, 0.0))
