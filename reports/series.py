@@ -14,9 +14,10 @@ import numpy as np
 from comparisons.conserved import conserved
 from comparisons.energy import potential_energy
 from comparisons.gap import bounded_gap, unmeasurable
-from comparisons.momentum import linear_deviation, linear_scale
+from comparisons.momentum import angular_deviation, angular_scale, linear_deviation, linear_scale
 from comparisons.moving import Moving
 from comparisons.penetration import close_pairs, pose
+from mechanics.rotation import angle_between
 from mechanics.scene import Scene
 from reports.drawing import FLOOR
 from reports.figures import Axis, Figure, Series
@@ -69,30 +70,53 @@ def _energy(of: Recorded, moving: Mapping[str, Moving]) -> Figure:
 
 
 def _travel(of: Recorded) -> Figure:
-    """The coordinate that changes most, by the truth if there is one, else by the first engine."""
+    """The coordinate that changes most, by the truth if there is one, else by the first engine; or how far it turns."""
     truth = of.true_path
     guide = truth if truth is not None else next(iter(of.motions.values())).path
     span = np.nanmax(guide.x, axis=0) - np.nanmin(guide.x, axis=0)
+    if not np.nanmax(span) > 0.0:
+        return _turning(of)
     body, axis = np.unravel_index(int(np.nanargmax(span)), span.shape)
-    name = of.scene.names[body] if of.scene is not None else f"body {body + 1}"
     letter = "xyz"[axis]
     series = [_series(e, m.path.t, m.path.x[:, body, axis]) for e, m in of.motions.items()]
     if truth is not None:
         series.insert(0, _series("", truth.t, truth.x[:, body, axis]))
     what = "Height" if letter == "z" else f"Position along {letter}"
-    return _figure(of, f"{what} of {name}", Axis(f"{letter} [m]"), series)
+    return _figure(of, f"{what} of {_named(of, int(body))}", Axis(f"{letter} [m]"), series)
+
+
+def _turning(of: Recorded) -> Figure:
+    """Angle by which the body that turns most is away from its first attitude."""
+    angles = {e: angle_between(m.path.q, m.path.q[:1]) for e, m in of.motions.items()}
+    body = int(next(iter(angles.values())).max(axis=0).argmax())
+    series = [_series(e, of.motions[e].path.t, found[:, body]) for e, found in angles.items()]
+    if of.true_path is not None and not np.isnan(of.true_path.q[:, body]).any():
+        q = of.true_path.q[:, body]
+        series.insert(0, _series("", of.true_path.t, angle_between(q, q[:1])))
+    return _figure(of, f"Turn of {_named(of, body)} from its first attitude", Axis("angle [rad]"), series)
+
+
+def _named(of: Recorded, body: int) -> str:
+    return of.scene.names[body] if of.scene is not None else f"body {body + 1}"
 
 
 def _momentum(of: Recorded, scene: Scene, moving: Mapping[str, Moving]) -> Figure:
-    """Linear momentum that no effect explains; if there is no such thing beyond rounding, the momentum itself."""
+    """Momentum that no effect explains, linear or else angular; where there is none, the momentum itself."""
     kept = conserved(scene, of.duration)
+    lost = Axis("|Δp| [N s]", log=True, better="↓ better"), Axis("|ΔL| [N m s]", log=True, better="↓ better")
+    candidates = []
     if len(kept.linear):
-        lost = {e: linear_deviation(m, kept) for e, m in moving.items()}
+        change = {e: linear_deviation(m, kept) for e, m in moving.items()}
         scale = max(linear_scale(m) for m in moving.values())
-        if max(float(v.max()) for v in lost.values()) > ROUNDING * scale:
-            series = [_series(e, m.path.t, np.maximum(lost[e], FLOOR)) for e, m in of.motions.items()]
-            axis = Axis("|Δp| [N s]", log=True, better="↓ better")
-            return _figure(of, "Momentum that no effect explains", axis, series)
+        candidates.append(("Momentum that no effect explains", lost[0], change, scale))
+    if len(kept.angular):
+        change = {e: angular_deviation(m, kept) for e, m in moving.items()}
+        scale = max(angular_scale(m, kept.pivot) for m in moving.values())
+        candidates.append(("Angular momentum that no effect explains", lost[1], change, scale))
+    for title, axis, change, scale in candidates:
+        if max(float(v.max()) for v in change.values()) > ROUNDING * scale:
+            series = [_series(e, m.path.t, np.maximum(change[e], FLOOR)) for e, m in of.motions.items()]
+            return _figure(of, title, axis, series)
     series = [_series(e, m.path.t, np.linalg.norm(moving[e].momentum, axis=1)) for e, m in of.motions.items()]
     return _figure(of, "Momentum of all bodies", Axis("|p| [kg m/s]"), series)
 
@@ -113,15 +137,28 @@ def _gap(of: Recorded, scene: Scene) -> Iterator[Figure]:
 
 
 def _error(of: Recorded, truth: Truth) -> Figure:
-    """Largest distance of a centre of mass from its true place."""
-    series = []
+    """Largest distance of a centre of mass from its true place; where all are in place, the largest angle."""
+    off, turned = {}, {}
     for engine, (path, _) in of.motions.items():
-        off = np.linalg.norm(path.x - truth(path.t).x, axis=2)
-        known = ~np.isnan(off).all(axis=1)
-        far = np.full(len(off), np.nan)
-        far[known] = np.maximum(np.nanmax(off[known], axis=1), FLOOR)
-        series.append(_series(engine, path.t, far))
-    return _figure(of, "Distance from the truth", Axis("distance [m]", log=True, better="↓ better"), series)
+        true = truth(path.t)
+        off[engine] = _largest(np.linalg.norm(path.x - true.x, axis=2))
+        turned[engine] = _largest(np.where(np.isnan(true.q).any(axis=2), np.nan, angle_between(true.q, path.q)))
+    if all(np.nanmax(far, initial=0.0) <= FLOOR for far in off.values()):
+        return _from_truth(of, "Angle from the true attitude", "angle [rad]", turned)
+    return _from_truth(of, "Distance from the truth", "distance [m]", off)
+
+
+def _from_truth(of: Recorded, title: str, label: str, values: Mapping[str, np.ndarray]) -> Figure:
+    series = [_series(e, m.path.t, np.maximum(values[e], FLOOR)) for e, m in of.motions.items()]
+    return _figure(of, title, Axis(label, log=True, better="↓ better"), series)
+
+
+def _largest(values: np.ndarray) -> np.ndarray:
+    """(T,) largest of (T, n) values at each time; NaN where none is known."""
+    known = ~np.isnan(values).all(axis=1)
+    largest = np.full(len(values), np.nan)
+    largest[known] = np.nanmax(values[known], axis=1)
+    return largest
 
 
 def _figure(of: Recorded, title: str, y: Axis, series: list[Series]) -> Figure:

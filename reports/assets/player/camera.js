@@ -1,12 +1,13 @@
 // Where the scene is looked at from, and what is drawn in one panel.
 const Views = (() => {
-  // half the angle of view, least size of a body over the picture, and how far above its middle is looked at
-  const OPENING = Math.tan((15 * Math.PI) / 180), NARROW = 1 / 80, RAISED = 0.14;
+  // half the angle of view, and least size of a body over the picture
+  const OPENING = Math.tan((15 * Math.PI) / 180), NARROW = 1 / 80;
 
   const camera = (planar) => ({ azimuth: planar ? -8 : -32, elevation: planar ? 9 : 20, zoom: 1 });
 
-  /** Axes and distance from which the whole box is seen in a panel of that shape (width / height). */
-  const placed = (scene, view, aspect) => {
+  /** Axes and distance from which the whole box is seen in a panel of that shape (width / height) below `top`, the
+   *  share of its height that names take. */
+  const placed = (scene, view, aspect, top) => {
     const [a, e] = [(view.azimuth * Math.PI) / 180, (view.elevation * Math.PI) / 180];
     const right = [Math.cos(a), Math.sin(a), 0];
     const ahead = [-Math.sin(a) * Math.cos(e), Math.cos(a) * Math.cos(e), -Math.sin(e)];
@@ -15,11 +16,10 @@ const Views = (() => {
     for (let k = 0; k < 8; k++) {
       const corner = scene.size.map((s, axis) => (k & (1 << axis) ? s / 2 : -s / 2));
       const [x, y, z] = [right, up, ahead].map((axis) => Math.abs(Meshes.dot(axis, corner)));
-      distance = Math.max(distance, x / (0.86 * OPENING * aspect) + z, y / (0.72 * OPENING) + z);
+      distance = Math.max(distance, x / (0.86 * OPENING * aspect) + z, y / (0.94 * (1 - top) * OPENING) + z);
     }
     distance /= view.zoom;
-    // a little above the middle is looked at: the names of the engines stand in the upper edge
-    const eye = scene.centre.map((c, k) => c - distance * ahead[k] + RAISED * OPENING * distance * up[k]);
+    const eye = scene.centre.map((c, k) => c - distance * ahead[k] + top * OPENING * distance * up[k]);
     return { right, up, ahead, eye, distance, aspect };
   };
 

@@ -28,6 +28,8 @@ const Player = (() => {
     };
     const repaint = () => { inks.clear(); redraw(); };
     const mixed = (a, b, part) => a.map((v, k) => v + part * (b[k] - v));
+    /** Black and white show no light and shade: a little grey does. */
+    const lit = (rgb) => (Math.max(...rgb) < 0.1 || Math.min(...rgb) > 0.9 ? mixed(rgb, [0.5, 0.5, 0.5], 0.36) : rgb);
     const palette = () => {
       const [paper, rule, strong, ink] = ["--panel", "--rule", "--strong-rule", "--ink"].map(colour);
       return { paper, rule, ink, fixed: mixed(paper, strong, 0.55), shade: mixed(paper, strong, 0.3) };
@@ -35,16 +37,23 @@ const Player = (() => {
 
     const panels = () => {
       const engines = shown(), colours = palette(), scale = devicePixelRatio || 1, rooms = places();
-      const instances = (e) => Views.instances(scene, e, time, { ...colours, own: colour(`--eng-${e.slug}`) }, larger);
+      const instances = (e, own) => Views.instances(scene, e, time, { ...colours, own }, larger);
+      const solid = (e) => instances(e, lit(colour(`--eng-${e.slug}`)));
       const frame = (place) => {
         const device = Object.fromEntries(Object.entries(place).map(([k, v]) => [k, Math.round(v * scale)]));
-        return { ...device, scale, camera: Views.placed(scene, view, place.width / place.height) };
+        return { ...device, scale, camera: Views.placed(scene, view, place.width / place.height, named(place) / place.height) };
       };
-      if (!overlaid()) return engines.map((e, k) => ({ ...frame(rooms[k]), solids: instances(e), outlines: [] }));
+      if (!overlaid()) return engines.map((e, k) => ({ ...frame(rooms[k]), solids: solid(e), outlines: [] }));
       const [first, ...others] = engines.slice(0, MOST_OVERLAID);
       // the first outline is the broadest, so that equal motions show as layers
-      const outlines = others.flatMap((e, k) => instances(e).filter((i) => !i.fixed).map((i) => ({ ...i, breadth: 2 * (others.length - k) })));
-      return first ? [{ ...frame(rooms[0]), solids: instances(first), outlines }] : [];
+      const outlines = others.flatMap((e, k) => instances(e, colour(`--eng-${e.slug}`)).filter((i) => !i.fixed).map((i) => ({ ...i, breadth: 1 + 1.2 * (others.length - k) })));
+      return first ? [{ ...frame(rooms[0]), solids: solid(first), outlines }] : [];
+    };
+
+    /** Height that the names of the engines take in a panel [CSS pixels]. */
+    const named = (place) => {
+      if (overlaid()) return Math.min(Math.max(...Array.from(tags.children, (t) => t.offsetTop + t.offsetHeight), 0), 0.4 * place.height);
+      return place.width < 330 ? 62 : 42;
     };
 
     /** Where the panels stand in the stage [CSS pixels]. */
@@ -79,7 +88,7 @@ const Player = (() => {
       if (!scene) return;
       const engines = shown(), count = overlaid() ? 1 : engines.length, narrow = stage.clientWidth < 560;
       const rows = Math.ceil(count / Math.max(2, Math.floor(stage.clientWidth / 280)));
-      stage.style.height = `${overlaid() || rows < 2 ? (narrow ? 280 : 380) : rows * (narrow ? 190 : rows > 2 ? 220 : 260)}px`;
+      stage.style.height = `${overlaid() || rows < 2 ? (narrow ? 320 : 400) : rows * (narrow ? 200 : rows > 2 ? 220 : 260)}px`;
       const scale = devicePixelRatio || 1;
       canvas.width = Math.round(stage.clientWidth * scale);
       canvas.height = Math.round(stage.clientHeight * scale);
