@@ -53,7 +53,8 @@ class Modeller:
     departs : function of str
         Whether a setting departs from stock; where none does, only masses, shapes, friction and gravity are set.
     remedy : mapping
-        Names of `option` and of `geom` -> values that are set besides; `flags` names flags to be enabled.
+        Names of `option` and of `geom` -> values that are set besides; `flags` names flags to be enabled, and
+        `stages` = "all" leaves every stage of a step on, wanted or not.
     """
 
     mujoco: ModuleType
@@ -77,6 +78,8 @@ class Modeller:
             option.tolerance = float(settings["tolerance"])
         if self.departs("diagexact"):
             option.enableflags = int(mj.mjtEnableBit.mjENBL_DIAGEXACT)
+            if self.remedy.get("stages") != "all":
+                option.disableflags |= _without_work(mj, draft)
         self._remedy(option)
         made: dict[int, Any] = {}
         for i in _parents_first(scene, draft.hinges):
@@ -194,7 +197,7 @@ class Modeller:
         spec.add_pair(
             geomname1=f"shape{i}",
             geomname2=f"shape{j}",
-            condim=3 if mu > 0.0 else 1,
+            condim=3 if mu > 0.0 else 1,  # of three, MuJoCo's least coefficient of 1e-5 would act
             friction=[mu, mu, 0.0, 0.0, 0.0],
             solref=_normal(scene, i, j, h),
             solreffriction=[0.02, 1.0] if slow else [0.0, -1.0 / h],
@@ -245,6 +248,25 @@ def _normal(scene: Scene, i: int, j: int, h: float) -> list[float]:
     """Stiffness and damping, negated, of a contact for the step h: see `adapters.mujoco`."""
     stiffness = CORRECTION / h**2 if Resting in scene.needs else 0.0
     return [-stiffness, -(1.0 + scene.restitution(i, j)) / h]
+
+
+def _without_work(mj: ModuleType, draft: Draft) -> int:
+    """Flags that switch off the stages of a step in which nothing happens in this scene; no answer changes by a bit."""
+    bit, scene, links = mj.mjtDisableBit, draft.scene, {type(link) for link in draft.links}
+    idle = {
+        bit.mjDSBL_ACTUATION: True,
+        bit.mjDSBL_CLAMPCTRL: True,
+        bit.mjDSBL_SENSOR: True,
+        bit.mjDSBL_FRICTIONLOSS: True,
+        bit.mjDSBL_GRAVITY: not any(draft.gravity),
+        bit.mjDSBL_SPRING: Spring not in links,
+        bit.mjDSBL_DAMPER: Spring not in links and not draft.drags,
+        bit.mjDSBL_CONTACT: not scene.touching,
+        bit.mjDSBL_EQUALITY: Rod not in links,
+        bit.mjDSBL_LIMIT: Tether not in links,
+        bit.mjDSBL_CONSTRAINT: smooth(scene),
+    }
+    return sum(int(flag) for flag, off in idle.items() if off)
 
 
 def smooth(scene: Scene) -> bool:

@@ -20,7 +20,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -38,6 +38,7 @@ from scenarios.scenario import Scenario
 SAME = 1e-9  # largest difference of two equal motions, as a share of the motion
 CHANGED = 1e-6  # least difference of two different ones
 ALL = "everything else"
+SWITCHES = "own switches"  # of an engine, which it has turned off where a scene does not call for what they do
 CLOCK = 3.0  # CPU time that timed runs may take [s]; rounds are as many as fit, but one at the least
 LEAST = 0.1  # CPU time below which nothing is slow [s]
 ROUNDS = 7  # timed rounds at the most
@@ -61,7 +62,7 @@ class Row:
     Attributes
     ----------
     effect : str
-        Name of the effect, or `ALL`.
+        Name of the effect, or `ALL`; `SWITCHES` for the scene as declared in an engine that has all of its own on.
     declared : bool
         Whether the scene declares it: then it was left out, else switched on.
     verdict : str
@@ -154,7 +155,7 @@ class Bench:
     room: Room
     clock: float
 
-    def run(self, scene: Scene, until: Callable[[State], bool] = lambda _: False) -> Run:
+    def run(self, scene: Scene, until: Callable[[State], bool] = lambda _: False, engine: Engine | None = None) -> Run:
         """A run of a variant of the scene, up to where `until` holds or it takes `SLOW` times as long.
 
         What is too slow is tried once more: the first run of a variant may spend its time on compiling.
@@ -162,8 +163,9 @@ class Bench:
         for _ in range(2):
             deadline = Deadline(SLOW * max(_seconds(self.declared), LEAST))
             found = run(
-                self.engine, scene, self.times, self.settings, until=lambda s, d=deadline: until(s) or d.passed()
-            )
+                engine or self.engine, scene, self.times, self.settings,
+                until=lambda s, d=deadline: until(s) or d.passed(),
+            )  # fmt: skip
             if not deadline.over:
                 break
         return found
@@ -223,6 +225,7 @@ def _bench(engine: Engine, scenario: Scenario, budget: float, clock: float, sett
 
 
 def _rows(bench: Bench) -> Iterator[Row]:
+    """Rows of all effects, of everything at once, and of the engine's own switches where it has any."""
     scene, found, quiet = bench.scenario.scene, [], []
     for name, kind in EFFECTS.items():
         if kind in scene.needs:
@@ -232,6 +235,9 @@ def _rows(bench: Bench) -> Iterator[Row]:
         if found[-1][0].verdict.startswith("same"):
             quiet.append(kind)
     found.append(_switched_on(bench, ALL, idle_in(scene, tuple(quiet), bench.room)))
+    all_on: Engine | None = getattr(bench.engine, "all_on", None)
+    if all_on is not None:
+        found.append((_compared(bench, SWITCHES, False, bench.run(scene, engine=all_on)), Variant(scene, all_on)))
     ratios = iter(_ratios(bench, [variant for row, variant in found if row.verdict == "same"]))
     for row, _ in found:
         if row.verdict != "same":
@@ -241,18 +247,25 @@ def _rows(bench: Bench) -> Iterator[Row]:
         yield replace(row, ratio=1.0 / ratio if row.declared else ratio, rounds=rounds)
 
 
-def _left_out(bench: Bench, kind: type[Effect]) -> tuple[Row, Scene]:
+class Variant(NamedTuple):
+    """A scene in an engine."""
+
+    scene: Scene
+    engine: Engine
+
+
+def _left_out(bench: Bench, kind: type[Effect]) -> tuple[Row, Variant]:
     """What is missing without a declared effect; the run ends as soon as it is clear that something is."""
     name, scene = kind.__name__, bench.scenario.scene
     try:
         scene = without(scene, kind)
     except SceneError as error:
-        return Row(name, True, "demanded", time=0.0, text=str(error)), scene
-    return _compared(bench, name, True, bench.run(scene, Gauge(bench).changed)), scene
+        return Row(name, True, "demanded", time=0.0, text=str(error)), Variant(scene, bench.engine)
+    return _compared(bench, name, True, bench.run(scene, Gauge(bench).changed)), Variant(scene, bench.engine)
 
 
-def _switched_on(bench: Bench, name: str, scene: Scene) -> tuple[Row, Scene]:
-    return _compared(bench, name, False, bench.run(scene)), scene
+def _switched_on(bench: Bench, name: str, scene: Scene) -> tuple[Row, Variant]:
+    return _compared(bench, name, False, bench.run(scene)), Variant(scene, bench.engine)
 
 
 def _compared(bench: Bench, name: str, declared: bool, found: Run) -> Row:
@@ -334,13 +347,13 @@ class Gauge:
         return max(places, float((parting + turning).max()) / self.speed)
 
 
-def _ratios(bench: Bench, variants: list[Scene]) -> list[tuple[float, int]]:
+def _ratios(bench: Bench, variants: list[Variant]) -> list[tuple[float, int]]:
     """CPU time of each variant over that of the declared scene, and how many rounds they were run in turns."""
-    scenes = [bench.scenario.scene, *variants]
     if not bench.clock:
         return [(math.nan, 0) for _ in variants]
-    rounds = int(min(max(bench.clock / max(len(scenes) * _seconds(bench.declared), 1e-9), 1), ROUNDS))
-    cells = [partial(run, bench.engine, scene, bench.times, bench.settings) for scene in scenes]
+    every = [Variant(bench.scenario.scene, bench.engine), *variants]
+    rounds = int(min(max(bench.clock / max(len(every) * _seconds(bench.declared), 1e-9), 1), ROUNDS))
+    cells = [partial(run, one.engine, one.scene, bench.times, bench.settings) for one in every]
     own, *others = (_seconds(found) for found in in_turns(cells, rounds))
     return [(other / own if own else math.nan, rounds) for other in others]
 

@@ -14,7 +14,7 @@ import click
 
 from adapters import registry
 from comparisons.calls import Call, calls
-from comparisons.effects import ALL, Proof, from_plain, prove, to_plain
+from comparisons.effects import ALL, SWITCHES, Proof, from_plain, prove, to_plain
 from mechanics.effects import EFFECTS
 from plumbline.fingerprint import fingerprint
 from plumbline.listing import table
@@ -125,7 +125,8 @@ def show(found: Found) -> None:
         click.echo(f"  {ALL} at once: {finding(rows[ALL])}\n")
     click.echo("  CPU time with an effect over CPU time without it, where the motion is the same")
     names = [call.effect for call in found.calls]
-    table([("engine", *names, ALL), *(_line(proof, (*names, ALL)) for proof in found.proofs)], "  ")
+    columns = (*names, ALL, SWITCHES)
+    table([("engine", *columns), *(_line(proof, columns) for proof in found.proofs)], "  ")
     for proof in found.proofs:
         if proof.reason:
             click.echo(f"  {proof.engine}: {proof.reason}")

@@ -26,6 +26,7 @@ RETURN = 5e-6  # a contact that is back within this time never parted [time scal
 RETURN_ALONE = 1e-8  # the same for a sphere with one contact
 RETURN_CHATTER = 5e-3  # the same for a body whose contacts come and go too often to be followed
 ROUNDING = 1e-13  # forces below this part of the scaled weight are none
+FAINT = 1e-15  # a force that changes no speed within the time scale is rounding [mass, speed scale / time scale]
 ULPS = 1e-15  # normal velocity that is the rounding of velocities
 JAMS = 20  # impulses at one instant in place of forces
 REST_SPEED = 1e-10  # [speed scale]
@@ -210,8 +211,9 @@ def _require_resting(world: World, island: Island, force: np.ndarray) -> None:
     weight = max(
         float(np.linalg.norm(world.bodies.acceleration[i]) / world.bodies.inverse_mass[i]) for i in island.bodies
     )
+    mass = float((1.0 / world.bodies.inverse_mass[island.bodies]).max())
     force = np.where(island.contacts.pairs < world.detector.solid, force, 0.0)
-    if force.max(initial=0.0) > 1e-9 * weight:
+    if force.max(initial=0.0) > max(1e-9 * weight, FAINT * mass * world.scales.speed / world.scales.time):
         strongest = int(np.argmax(force))
         a, b = island.contacts.kinds[strongest, :2].tolist()
         raise MissingEffect("Resting", world.names(a, b), world.t, "bodies stay in contact")

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from comparisons.effects import ALL, SLOW, VERDICTS, Proof, Row, from_plain
+from comparisons.effects import ALL, SLOW, SWITCHES, VERDICTS, Proof, Row, from_plain
 from mechanics.effects import EFFECTS
 from reports.content import Content, view_of
 from reports.numbers import short
@@ -114,7 +114,7 @@ class Ledger:
     def savings(self) -> dict[str, Saving]:
         """Effect, or all of them at once -> what it costs where it is not declared."""
         rows = [row for proof in self.proofs for row in proof.rows if not row.declared]
-        return {name: Saving.of([row for row in rows if row.effect == name]) for name in (*EFFECTS, ALL)}
+        return {name: Saving.of([row for row in rows if row.effect == name]) for name in (*EFFECTS, ALL, SWITCHES)}
 
     @cached_property
     def lines(self) -> tuple[Line, ...]:
@@ -129,7 +129,7 @@ class Ledger:
     def count(self, declared: bool, *verdicts: str) -> int:
         """Effects of single scenes, declared or not, with one of these verdicts."""
         return sum(
-            row.declared == declared and row.verdict in verdicts and row.effect != ALL
+            row.declared == declared and row.verdict in verdicts and row.effect in EFFECTS
             for proof in self.proofs
             for row in proof.rows
         )
@@ -168,9 +168,9 @@ def _line(proof: Proof) -> Line:
     idle = tuple(
         (r.effect, finding(r), r.verdict not in ("same", "same until"))
         for r in proof.rows
-        if not r.declared and r.effect != ALL
+        if not r.declared and r.effect in EFFECTS
     )
-    last = proof.rows[-1]
+    last = next(row for row in proof.rows if row.effect == ALL)
     until = "to the end" if proof.whole else f"until {short(proof.until)} of {short(proof.duration)} s"
     return Line(proof.scenario, until, declared, idle, finding(last), factor(last))
 
@@ -181,4 +181,4 @@ def shown(content: Content) -> Mapping[str, Any]:
     if not found:
         return {}
     views = [content.engines.get(ledger.engine) or view_of(content.campaign, ledger.engine) for ledger in found]
-    return {"ledgers": list(zip(found, views, strict=True)), "names": (*EFFECTS, ALL)}
+    return {"ledgers": list(zip(found, views, strict=True)), "names": (*EFFECTS, ALL, SWITCHES)}

@@ -72,13 +72,11 @@ class Scenario:
     laws : mapping of str to Trajectory-independent final velocities, or empty
         Where mechanics leaves the answer to the impact law: admissible law -> (n, 3) final velocities
         of all bodies.  The realised law is named, not marked.
-    because : mapping of effect type to str
-        Why an effect is declared without which the motion is the same, or not declared although with it the motion
-        would be another: what it is for, or what its absence says.
     exhibit : Exhibit or None
         What makes it an exhibit of the museum.
-    name, version, summary, tags, suites, parameters
-        Filled in by the `scenario` decorator.
+    name, version, summary, tags, suites, because, parameters
+        Filled in by the `scenario` decorator.  `because`: effect type -> why it is declared though without it the
+        motion is the same, or not declared though with it the motion would be another.
     """
 
     scene: Scene
@@ -91,13 +89,13 @@ class Scenario:
     events: tuple[float, ...] = ()
     guard: float = 5e-3
     laws: Mapping[str, tuple[tuple[float, float, float], ...]] = field(default_factory=dict)
-    because: Mapping[type[Effect], str] = field(default_factory=dict)
     exhibit: Exhibit | None = None
     name: str = ""
     version: int = 1
     summary: str = ""
     tags: tuple[str, ...] = ()
     suites: tuple[str, ...] = ()
+    because: Mapping[type[Effect], str] = field(default_factory=dict)
     parameters: Mapping[str, object] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -123,6 +121,8 @@ class Family:
         Parameter sets that suites run; the first is the default and the one the smoke suite takes.
     ranges : mapping
         Parameter -> (least, most), both allowed, or a tuple of allowed values if they are words.
+    because : mapping
+        As in `Scenario`, for every variant of which it is true.
     """
 
     name: str
@@ -132,6 +132,7 @@ class Family:
     suites: tuple[str, ...]
     variants: tuple[Mapping[str, object], ...]
     ranges: Mapping[str, Sequence[object]]
+    because: Mapping[type[Effect], str]
 
     @property
     def defaults(self) -> dict[str, object]:
@@ -161,6 +162,7 @@ class Family:
             summary=inspect.cleandoc(self.build.__doc__ or ""),
             tags=self.tags,
             suites=self.suites,
+            because=self.because,
             parameters=values,
         )
 
@@ -188,6 +190,7 @@ def scenario(
     suites: Sequence[str] = ("standard",),
     variants: Sequence[Mapping[str, object]] = ({},),
     ranges: Mapping[str, Sequence[object]] | None = None,
+    because: Mapping[type[Effect], str] | None = None,
     version: int = 1,
 ) -> Callable[[Callable[..., Scenario]], Callable[..., Scenario]]:
     """Enter the decorated function in the catalogue; its name becomes the scenario's, `_` written `-`.
@@ -207,7 +210,7 @@ def scenario(
         if not build.__doc__:
             raise ValueError(f"scenario {name!r} needs a docstring a newcomer understands")
         chosen = tuple(dict.fromkeys((*suites, "full")))
-        FAMILIES[name] = Family(name, build, version, tuple(tags), chosen, tuple(variants), ranges or {})
+        FAMILIES[name] = Family(name, build, version, tuple(tags), chosen, tuple(variants), ranges or {}, because or {})
         return build
 
     return enter

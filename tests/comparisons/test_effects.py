@@ -8,7 +8,7 @@ import pytest
 from adapters.registry import engine
 from adapters.run import run, sample_times
 from comparisons import variants
-from comparisons.effects import ALL, CHANGED, SAME, VERDICTS, prove
+from comparisons.effects import ALL, CHANGED, SAME, SWITCHES, VERDICTS, prove
 from comparisons.variants import HOW, VALUED, Room, idle, shaken, without
 from mechanics.effects import EFFECTS, Drag, Friction, Gravity, Resting, Restitution, Rotation
 from mechanics.scene import Body, Scene
@@ -116,3 +116,17 @@ def test_effects_are_left_out_by_type():
     assert without(scene, Gravity).effects == (Restitution(0.5),)
     with pytest.raises(ValueError, match="declares Gravity"):
         idle(scene, Gravity, Room(1.0, 1.0, 1.0, (0.0, 0.0), 1.0))
+
+
+def test_an_engine_with_switches_of_its_own_is_compared_with_all_of_them_on():
+    pytest.importorskip("mujoco")
+    found = rows(Scene((BALL,), (Gravity(),)), engine=engine("mujoco"))
+    assert (found[SWITCHES].verdict, found[SWITCHES].difference) == ("same", 0.0)
+    assert SWITCHES not in rows(Scene((BALL,), (Gravity(),)))
+
+
+def test_a_force_that_is_rounding_is_no_contact_that_lasts():
+    """Balls that stick after a plastic collision push each other with a drag of 1e-17, of which nothing is left."""
+    balls = [Body(f"ball {i}", Sphere(0.1), 1.0, (0.3 * i, 0.0, 0.0), velocity=(1.0 - i, 0.0, 0.0)) for i in range(3)]
+    found = rows(Scene(tuple(balls), (Restitution(0.0),)), 1.0)
+    assert {row.verdict for row in found.values() if not row.declared} == {"same"}
