@@ -1,4 +1,5 @@
 # `make report`  set up everything and run the standard suite (SUITE=smoke for the short one)
+# `make check`   set up everything and compare the physics with baselines/standard (SUITE=smoke for a part of it)
 # `make test`    set up everything and run the whole test suite (JOBS=4 for four processes)
 # `make bench`   measure what the reference engine promises and enter it in docs/benchmarks.md
 # Needs Python 3.11 or newer with pip and venv; PyBullet has wheels up to Python 3.11 and is left out beyond it.
@@ -10,10 +11,13 @@ VENV := .venv
 BIN := $(VENV)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable
 
-.PHONY: report test test-browser bench lint clean
+.PHONY: report check test test-browser bench lint clean
 
 report: $(VENV)/.engines
 	$(BIN)/plumbline run $(SUITE) --fail-on harness
+
+check: $(VENV)/.engines
+	$(BIN)/plumbline check $(SUITE) --baseline standard $(OPTIONS)
 
 test: $(VENV)/.test
 	$(BIN)/python -m pytest -n $(JOBS) --dist loadscope --no-loadscope-reorder

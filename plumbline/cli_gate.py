@@ -61,7 +61,8 @@ def check(**asked: Any) -> int:
     if asked["dry_run"]:
         return show_plan(jobs, asked["json_"])
     if asked["strict"]:
-        asked["fail_on"] = (*(asked["fail_on"] or FAIL_ON), *(w for w in OUTCOMES[2:] if w not in FINDINGS))
+        counted = FAIL_ON if asked["fail_on"] is None else asked["fail_on"]
+        asked["fail_on"] = (*counted, *(word for word in OUTCOMES[2:] if word not in FINDINGS))
     whole = asked["what"] == name and not (narrowed or asked["shard"])
     return carry_out(jobs, asked, told={"baseline": within(baseline, jobs, asked, whole).to_plain()})
 

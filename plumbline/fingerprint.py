@@ -18,6 +18,7 @@ def fingerprint() -> dict[str, object]:
     facts: dict[str, object] = {
         "system": f"{platform.system()} {platform.release()}",
         "machine": platform.machine(),
+        "platform class": platform_class(),
         "processor": processor(),
         "processors": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
         "libc": " ".join(platform.libc_ver()).strip() or "unknown",

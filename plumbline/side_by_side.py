@@ -11,7 +11,6 @@ from typing import Any
 
 from comparisons.cell import Campaign
 from comparisons.regression import Baseline, Change, changes, record
-from plumbline.fingerprint import platform_class
 from plumbline.results import Results
 from plumbline.run_folder import FolderError
 from reports.numbers import settings_text, short, with_unit
@@ -74,13 +73,13 @@ def compared(a: Results, b: Results, engines: tuple[str, str] | None = None) -> 
         Where two engines are compared: that of `a` and that of `b`.
     """
     questions = {label: str(told_of.get("question", "")) for label, told_of in a.campaign.scenarios.items()}
-    here = platform_class()  # both were run on one machine, or are compared as if they were
+    here, there = (str(r.campaign.fingerprint.get("platform class", "unknown")) for r in (a, b))
     records = [record(cell, questions.get(cell.scenario, ""), here) for cell in a.cells]
     cells = b.cells
     if engines is not None and engines[0] != engines[1]:
         records = [replace(r, engine=engines[1]) for r in records if r.engine == engines[0]]
         cells = tuple(cell for cell in cells if cell.engine == engines[1])
-    joined = replace(b.campaign, cells=cells, baseline=Baseline(a.campaign.id, here, tuple(records)).to_plain())
+    joined = replace(b.campaign, cells=cells, baseline=Baseline(a.campaign.id, there, tuple(records)).to_plain())
     return joined, changes(joined)
 
 
