@@ -16,6 +16,7 @@ from plumbline.cli_gate import baseline, check
 from plumbline.cli_ladder import ladder
 from plumbline.cli_run import run, seconds
 from plumbline.cli_sweep import advise, sweep
+from plumbline.cli_tables import tables
 from plumbline.command import as_json, harness, plug_in, register, usage
 
 CODES = """\b
@@ -71,6 +72,7 @@ cli.add_command(advise)
 cli.add_command(ablate)
 cli.add_command(merge)
 cli.add_command(compare)
+cli.add_command(tables)
 
 
 @cli.command("list")
