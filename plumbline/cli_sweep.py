@@ -25,7 +25,7 @@ engine_option = click.option(
     help="Engine or glob; ! in front leaves out (repeatable). Default: all.",
 )  # fmt: skip
 knobs_option = click.option(
-    "--knobs", type=click.Choice(["main", "all"]), default="all", show_default=True,
+    "--knobs", type=click.Choice(["main", "all"]), default="main", show_default=True,
     help="main: the ladder of the time step (of the tolerance, for the reference); all: of every knob, and every "
     "integrator, method and solver, too.",
 )  # fmt: skip
@@ -70,8 +70,8 @@ def sweep(**asked: Any) -> int:
     To be inaccurate is what coarse settings are for, so the exit code is 0 whoever errs.
 
     \b
-    plumbline sweep                               the suite smoke, every installed engine, every knob
-    plumbline sweep standard --knobs main         a suite, over the time step only
+    plumbline sweep                               the suite smoke, every installed engine, over its time step
+    plumbline sweep 'stack[]' --knobs all         over every knob it has
     plumbline sweep 'bouncing-ball[e=0.5]' -e 'mujoco*' -e reference
     plumbline sweep standard --budget 10m --out runs/accuracy     goes on where it stopped
     """  # fmt: skip
