@@ -132,7 +132,7 @@ def entry(found: Frontier, target: float) -> Entry:
         words = f"not reached (best {short(best.error, 2)})" if best else "not reached (no run came to its end)"
         return Entry("✕", words, "fail")
     text = cost_text(reached) + (f" {BADGE}" if disturbed(point) else "")
-    return Entry("✓", text, "pass", settings_text(point.cell.settings))
+    return Entry("✓", text, "pass", told_settings(point.cell.settings))
 
 
 def cost_text(reached: Reach) -> str:
@@ -155,6 +155,12 @@ def order_text(found: Frontier) -> str:
         return "exact to rounding" if exact else "none: the error does not fall steadily"
     text = f"{order.slope:.2f} ({step_text(order.first)} to {step_text(order.last)})"
     return text if math.isnan(order.stalls) else f"{text}, stalls at {short(order.stalls, 2)}"
+
+
+def told_settings(settings: Mapping[str, float | str]) -> str:
+    """Settings on one line, the time step as a fraction of a second where it is one."""
+    told = {name: step_text(float(value)) if name == "dt" else value for name, value in settings.items()}
+    return settings_text(told)
 
 
 def step_text(step: float) -> str:
@@ -223,7 +229,7 @@ def setting_text(point: Point, default: Point | None) -> str:
     """Engine and what is set otherwise than by default, on one line; everything where the default is not known."""
     usual = default.cell.settings if default is not None else {}
     changed = {name: value for name, value in point.cell.settings.items() if usual.get(name) != value}
-    return f"{point.cell.engine} ({settings_text(changed) or 'its default settings'})"
+    return f"{point.cell.engine} ({told_settings(changed) or 'its default settings'})"
 
 
 def target_text(target: float) -> str:
@@ -234,7 +240,7 @@ def target_text(target: float) -> str:
 
 def _otherwise(default: Point, chosen: Point) -> str:
     """Those of the default settings that the chosen ones change."""
-    return settings_text({n: v for n, v in default.cell.settings.items() if chosen.cell.settings.get(n) != v})
+    return told_settings({n: v for n, v in default.cell.settings.items() if chosen.cell.settings.get(n) != v})
 
 
 def _measured(point: Point) -> str:
@@ -259,7 +265,7 @@ def _fault(default: Point, chosen: Point, error: float) -> str:
 def _short_of(advice: Advice) -> list[str]:
     return [
         f"{engine} does not get there: "
-        + (f"best {_measured(best)} ({settings_text(best.cell.settings)})." if best else "no run came to its end.")
+        + (f"best {_measured(best)} ({told_settings(best.cell.settings)})." if best else "no run came to its end.")
         for engine, best in advice.short
     ]
 

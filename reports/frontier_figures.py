@@ -11,8 +11,8 @@ from comparisons.cell import Campaign
 from comparisons.frontier import Curve, Frontier, Point
 from comparisons.order import ROUNDING
 from reports.figures import Axis, Figure, Series
-from reports.frontier import Accuracy, Section, disturbed
-from reports.numbers import settings_text, short
+from reports.frontier import Accuracy, Section, disturbed, told_settings
+from reports.numbers import short
 from reports.verdict import description, mark
 
 REAL_TIME = 1e3  # CPU milliseconds in a second
@@ -47,24 +47,25 @@ def panels(told: Accuracy, campaign: Campaign) -> list[tuple[str, Figure]]:
 
 
 def _series(found: Frontier) -> Iterator[Series]:
-    """Series of one engine: a line for each ladder, single settings as points; its name stands at the first only."""
+    """Series of one engine: lines of ladders, breaks on the rail, single settings; the first only is named."""
     named = False
     for curve in found.curves:
-        shown = [(x, p) for x, p in zip(_costs(curve), curve.points, strict=True) if math.isfinite(x)]
-        if not shown:
-            continue
-        errors = [p.error if p.whole else math.inf if p.broke else math.nan for _, p in shown]
-        phased = any(p.spread[0] < p.error for _, p in shown)
-        yield Series(
-            found.engine,
-            [x for x, _ in shown],
-            errors,
-            joined=bool(curve.knob),
-            tips=[_tip(p) for _, p in shown],
-            label=None if named else "",
-            low=[p.spread[0] for _, p in shown] if phased else (),
-        )
-        named = True
+        costs = _costs(curve)
+        line = [(x, p) for x, p in zip(costs, curve.points, strict=True) if math.isfinite(x) and p.whole]
+        rail = [(x, p) for x, p in zip(costs, curve.points, strict=True) if math.isfinite(x) and p.broke]
+        for shown, joined in ((line, bool(curve.knob)), (rail, False)):
+            if shown:
+                points = [p for _, p in shown]
+                yield Series(
+                    found.engine,
+                    [x for x, _ in shown],
+                    [p.error if p.whole else math.inf for p in points],
+                    joined=joined,
+                    tips=[_tip(p) for p in points],
+                    label=None if named else "",
+                    low=[p.spread[0] for p in points] if any(p.spread[0] < p.error for p in points) else (),
+                )
+                named = True
 
 
 def _costs(curve: Curve) -> list[float]:
@@ -79,7 +80,7 @@ def _costs(curve: Curve) -> list[float]:
 
 
 def _tip(point: Point) -> str:
-    head = f"{point.cell.engine} ({settings_text(point.cell.settings)}): {mark(point.cell).word}"
+    head = f"{point.cell.engine} ({told_settings(point.cell.settings)}): {mark(point.cell).word}"
     if not point.whole:
         return f"{head}, {point.cell.reason}"
     low, middle, high = (short(v, 2) for v in point.spread)

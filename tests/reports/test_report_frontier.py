@@ -73,11 +73,11 @@ def test_every_entry_has_a_glyph_and_a_word(swept):
 def test_the_figure_draws_every_rung_the_break_on_the_rail_and_the_phases_as_a_band(swept):
     ((title, figure),) = panels(accuracy(swept), swept)
     assert title == "drop"
-    mujoco = figure.series[0]
-    assert len(mujoco.x) == len(STEPS)
-    assert mujoco.y[-1] == math.inf
-    assert mujoco.x[-1] == mujoco.x[-2]
-    assert list(mujoco.low[:-1]) == [0.5 * y for y in mujoco.y[:-1]]
+    mujoco, rail = figure.series[:2]
+    assert (len(mujoco.x), rail.engine, list(rail.y)) == (len(STEPS) - 1, "mujoco", [math.inf])
+    assert rail.x[0] == mujoco.x[-1]
+    assert (mujoco.joined, rail.joined) == (True, False)
+    assert list(mujoco.low) == [0.5 * y for y in mujoco.y]
     assert figure.guide == (0.05, "tolerance")  # 0.1 m over the scale of 2 m
     drawn = svg(figure)
     assert drawn.count('class="band"') == 1
@@ -99,7 +99,7 @@ def test_stairs_of_shares_rise_to_what_is_reached(swept):
 def test_advice_says_all_that_was_measured(swept):
     text = " ".join(advice_text(accuracy(swept).sections[0].advice))
     assert text.startswith("Use mujoco (its default settings): error 0.001 at 10 ms/s.")
-    assert "pybullet does not get there: best 0.01 at 0.6 ms/s (dt = 0.0166667)." in text
+    assert "pybullet does not get there: best 0.01 at 0.6 ms/s (dt = 1/60)." in text
     assert text.endswith("pymunk: refused: the scene is not planar.")
 
 
