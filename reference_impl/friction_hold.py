@@ -6,6 +6,7 @@ import numpy as np
 
 from reference_impl.friction_cone import HOLDS, SLIPS
 from reference_impl.kernels import kernel
+from reference_impl.pseudo_inverse import pseudo_inverse, times, turned_times
 
 RANK = 1e-12  # relative singular value below which contacts count as redundant
 SPLITS = 30  # of the load between redundant contacts that are tried
@@ -19,13 +20,12 @@ def hold(g, c, d, mu, modes, way, r, x):
     redundant contacts slide in different directions the motion depends on the split, so this one is a choice; it
     depends continuously on the state.
     """
-    index = _held(modes)
+    index = held_rows(modes)
     q, k = len(index), g.shape[1]
     if q == 0:
         return True
     rows, columns, least = np.empty((q, k)), np.empty((q, k)), np.empty(q)
     limited = np.zeros(q, dtype=np.bool_)
-    some = False
     for e in range(q):
         at = index[e]
         i = at // 3
@@ -33,13 +33,12 @@ def hold(g, c, d, mu, modes, way, r, x):
         rows[e] = g[at]
         columns[e] = g[at]
         if modes[i] == SLIPS:
-            limited[e] = some = True
+            limited[e] = True
             for j in range(k):
                 columns[e, j] -= mu[i] * (way[i, 0] * g[at + 1, j] + way[i, 1] * g[at + 2, j])
     force = np.zeros(q)
-    if not some:
-        _hold_all(rows, least, force, x)
-    elif not _hold_and_rub(rows, columns, least, limited, force, x):
+    held = share(rows, columns, least, limited, c, x, force) if limited.any() else spread(rows, least, x, force)
+    if not held:
         return False
     for e in range(q):
         at = index[e]
@@ -51,8 +50,8 @@ def hold(g, c, d, mu, modes, way, r, x):
 
 
 @kernel
-def _held(modes):
-    """Rows of the problem that are held at zero: all three of a contact that holds, the normal of one that slips."""
+def held_rows(modes):
+    """Places of the relative motions that are held: all of a contact that holds, the normal one of one that slips."""
     index = np.empty(3 * len(modes), dtype=np.int64)
     q = 0
     for i in range(len(modes)):
@@ -64,34 +63,71 @@ def _held(modes):
 
 
 @kernel
-def _hold_all(rows, least, force, x):
-    """Add the forces of the least norm that bring rows·x to `least`, and what they do to the motion x."""
-    u, s, vt = np.linalg.svd(rows, False)
-    rank = 0
-    for e in range(len(s)):
-        rank += s[e] > RANK * s[0]
-    u, s, vt = np.ascontiguousarray(u[:, :rank]), s[:rank], np.ascontiguousarray(vt[:rank])
+def spread(rows, least, x, force):
+    """Add to `x` the motion that brings rows x to `least`, and to `force` the smallest forces that do it."""
+    q, k = rows.shape
+    inverse, short, step, push = np.empty((k, q)), np.empty(q), np.empty(k), np.empty(q)
+    if pseudo_inverse(rows, RANK, inverse) < 0:
+        return False
     for _ in range(2):
-        step = (u.T @ least) / s - vt @ x
-        force += u @ (step / s)
-        x += vt.T @ step
+        lacking(rows, least, x, short)
+        times(inverse, short, step)
+        turned_times(inverse, step, push)
+        for e in range(q):
+            force[e] += push[e]
+        for j in range(k):
+            x[j] += step[j]
+    return True
 
 
 @kernel
-def _hold_and_rub(rows, columns, least, limited, force, x):
-    """As `_hold_all` where the force of row e acts along `columns[e]`, and is none that pulls if `limited[e]`.
+def share(rows, columns, least, limited, c, x, force):
+    """The same where forces act along `columns`, and where the `limited` ones may only push; False if none do."""
+    q, k = rows.shape
+    matrix, inverse, short, step = np.empty((q, q)), np.empty((q, q)), np.empty(q), np.empty(q)
+    for e in range(q):
+        for f in range(q):
+            total = 0.0
+            for j in range(k):
+                total += rows[e, j] * columns[f, j]
+            matrix[e, f] = total
+    chosen = np.ones(q, dtype=np.bool_)
+    if not split(matrix, rows, least, limited, c, chosen, inverse):
+        return False
+    change = np.empty(k)
+    for _ in range(3):
+        lacking(rows, least, x, short)
+        times(inverse, short, step)
+        turned_times(columns, step, change)
+        for e in range(q):
+            force[e] += step[e]
+        for j in range(k):
+            x[j] += change[j]
+    return True
 
-    Returns False if no split of the load has been found.
+
+@kernel
+def split(matrix, rows, least, limited, c, chosen, inverse):
+    """Find which forces carry the load, into `chosen`, and what turns a lack into them; False if no choice stays.
+
+    Least norm: force = (matrixᵀ y)₊ on the limited ones.
     """
     q = len(least)
-    matrix, chosen = rows @ columns.T, np.ones(q, dtype=np.bool_)
-    lack = least - rows @ x
+    short, y, again, pull = np.empty(q), np.empty(q), np.empty(q), np.empty(q)
     for _ in range(SPLITS):
-        inverse, regular = _pseudo_inverse(matrix, chosen)
-        if regular:
-            break
-        # least norm: force = (matrixᵀ y)₊ on the limited ones
-        pull = matrix.T @ (inverse.T @ (inverse @ lack))
+        part = matrix.copy()
+        for e in range(q):
+            if not chosen[e]:
+                part[:, e] = 0.0
+        rank = pseudo_inverse(part, RANK, inverse)
+        if rank < 0:
+            return False
+        if rank == q:
+            return True
+        lacking(rows, least, c, short)
+        times(inverse, short, again)
+        turned_times(inverse, again, y)
+        turned_times(matrix, y, pull)
         change = False
         size = np.abs(pull).max()
         for e in range(q):
@@ -100,26 +136,13 @@ def _hold_and_rub(rows, columns, least, limited, force, x):
                 chosen[e] = wanted
                 change = True
         if not change:
-            break
-    else:
-        return False
-    for _ in range(3):
-        step = inverse @ (least - rows @ x)
-        force += step
-        x += columns.T @ step
-    return True
+            return True
+    return False
 
 
 @kernel
-def _pseudo_inverse(matrix, chosen):
-    """Pseudo-inverse of the `chosen` columns of a square matrix, and whether these are regular."""
-    q = len(chosen)
-    part = matrix.copy()
-    for e in range(q):
-        if not chosen[e]:
-            part[:, e] = 0.0
-    u, s, vt = np.linalg.svd(part)
-    regular = s[q - 1] > RANK * s[0]
-    for e in range(q):
-        s[e] = 1.0 / s[e] if s[e] > RANK * s[0] else 0.0
-    return np.ascontiguousarray((vt.T * s) @ u.T), regular
+def lacking(rows, least, x, short):
+    """`short` = least - rows x."""
+    times(rows, x, short)
+    for e in range(len(least)):
+        short[e] = least[e] - short[e]

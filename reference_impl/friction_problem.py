@@ -122,10 +122,7 @@ def _expected(p: Rough, guess: np.ndarray) -> Answer | None:
     r, u, x, way = np.empty(3 * m), np.empty(3 * m), np.empty(len(p.c)), np.zeros((m, 2))
     states, way[:, 0] = np.array(guess, dtype=np.int64), 1.0
     unit, level = np.empty(p.g.shape), np.empty(3 * m)
-    try:
-        worth = guessed(p.g, p.c, p.d, p.mu, p.slides, states, way, unit, level, r, x, u)
-    except (ValueError, np.linalg.LinAlgError):  # a matrix that is not finite
-        return None
+    worth = guessed(p.g, p.c, p.d, p.mu, p.slides, states, way, unit, level, r, x, u)
     return Answer(r.reshape(m, 3), x, u.reshape(m, 3), worth, "guess", states) if worth <= GOOD else None
 
 
@@ -250,10 +247,7 @@ def _held(p: Rough, modes: np.ndarray, way: np.ndarray | None) -> tuple[np.ndarr
     if way is None:
         way = np.tile((1.0, 0.0), (len(p.mu), 1))
     r, x = np.zeros(len(p.d)), p.c.copy()
-    try:
-        return (r, x) if hold(p.g, p.c, p.d, p.mu, modes, way, r, x) else None
-    except (ValueError, np.linalg.LinAlgError):  # a matrix that is not finite
-        return None
+    return (r, x) if hold(p.g, p.c, p.d, p.mu, modes, way, r, x) else None
 
 
 def _sliding(p: Rough) -> np.ndarray:

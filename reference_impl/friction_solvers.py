@@ -11,6 +11,7 @@ import numpy as np
 
 from reference_impl.friction_cone import project, single, single_convex
 from reference_impl.kernels import kernel
+from reference_impl.pseudo_inverse import turned_times
 
 PIVOTS = 60  # per unknown, of Lemke's method
 RELAXATIONS = 3_000
@@ -23,7 +24,9 @@ def sweep(g, c, d, mu, slides, convex, r, sweeps):
     Jourdan, Alart and Jean, A Gauss-Seidel like algorithm to solve frictional contact problems (1998).
     """
     m, k = len(mu), g.shape[1]
-    x = c + g.T @ r
+    x = np.empty(k)
+    turned_times(g, r, x)
+    x += c
     w = np.zeros((m, 3, 3))
     for i in range(m):
         for a in range(3):

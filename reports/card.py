@@ -79,8 +79,8 @@ def differing(campaign: Campaign, cell: Cell) -> tuple[Reading, ...]:
     scene = description(campaign, cell.scenario).get("scene")
     if not scene or told.get("settings") != dict(cell.settings):
         return ()
-    card = (from_plain(row) for row in told["readings"])
-    return tuple(r for r in card if r.matters(facts(scene), fastest(scene, cell.duration)))
+    own, speeds = facts(scene), fastest(scene, cell.duration)
+    return tuple(r for r in map(from_plain, told["readings"]) if r.matters(own, speeds))
 
 
 def at_stake(campaign: Campaign) -> dict[str, list[str]]:

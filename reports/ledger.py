@@ -67,8 +67,13 @@ def shown(content: Content) -> Mapping[str, Any]:
 
 def foretold(campaign: Campaign) -> list[str]:
     """Engines of which an error of first order is foretold somewhere, in the order of every table."""
-    found = {c.engine for c in campaign.cells for name in FORETOLD if (m := c.of(name)) is not None and m.value > 0.0}
+    found = {cell.engine for cell in campaign.cells if _foretold(cell)}
     return [e for e in engines(campaign) if e in found]
+
+
+def _foretold(cell: Cell) -> bool:
+    """Whether some error is foretold that is not 0."""
+    return any((m := cell.of(name)) is not None and m.value > 0.0 for name in FORETOLD)
 
 
 def ledger(campaign: Campaign, order: Sequence[str]) -> tuple[Account, ...]:
@@ -76,7 +81,7 @@ def ledger(campaign: Campaign, order: Sequence[str]) -> tuple[Account, ...]:
     table, accounts = chosen(campaign), []
     for scenario in scenarios(campaign):
         cells = [table.get((scenario, engine)) for engine in order]
-        if any(c is not None and c.of(name) is not None for c in cells for name in FORETOLD):
+        if any(_foretold(cell) for cell in cells if cell is not None):
             rows = [_row(quantity, name, cells) for quantity, name in ROWS]
             accounts.append(Account(scenario, tuple(row for row in rows if any(row.values))))
     return tuple(accounts)
