@@ -167,11 +167,10 @@ def _views(content: Content, engines: Iterable[str]) -> list[EngineView]:
 
 SECTIONS = (
     Section("lead", "", _lead),
-    Section("regressions", "Regressions", regressions.shown),
     Section("verdicts", "Verdicts", _verdicts),
+    Section("regressions", "Regressions", regressions.shown),
     Section("frontier", "Accuracy", frontier_section.shown),
     Section("cost", "Cost", _cost),
-    Section("effects", "Effects", effects.shown),
     Section("replay", "Replay", _replay),
     Section("ladders", "Ladders", _ladders),
     Section("museum", "Museum", _museum),
@@ -179,6 +178,7 @@ SECTIONS = (
     Section("ledger", "", ledger.shown),
     Section("phases", "", _phases),
     Section("card", "", _card),
+    Section("effects", "Effects", effects.shown),
     Section("findings", "Findings", _findings),
     Section("cells", "All cells", entries.shown),
     Section("method", "Method", method.shown),
