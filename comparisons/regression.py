@@ -3,11 +3,12 @@
 A `Record` is what a baseline keeps of a cell: its state, the digest of its last state and every measured number.
 `compare` sets a cell beside its record and calls the outcome by one word of `OUTCOMES`.
 
-Whether a number has changed is asked of a band around the recorded one: a share of the number itself, but at least
-what a computation errs by that rounds only (`exact` of the check; its default where nothing is demanded).  On the
-platform class a record was made on the same program gives the same bits, so that the share, `SAME`, is only for
-programs that were written anew in the same method.  On another class rounding differs from the first multiplication
-on, and contact amplifies it: the share is `OTHER`.  docs/ci.md tells what was measured for both.
+Whether a number has changed is asked of a band around the recorded one.  On the platform class a record was made on
+the same program gives the same bits, and the band is `SAME`, a share of the number, for programs that were written anew
+in the same method.  On another class rounding differs from the first multiplication on, and contact amplifies it: the
+band is `OTHER`, a share of the number or of its tolerance, whichever is larger, and what nothing is demanded of has
+none.  No band is narrower than what a computation errs by that rounds only (`exact` of the check, or its default).
+docs/ci.md tells what was measured for both.
 """
 
 from __future__ import annotations
@@ -20,10 +21,11 @@ from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 from comparisons.cell import Campaign, Cell
+from comparisons.measurement import Measurement
 from scenarios.scenario import Check
 
 SAME = 1e-3  # share of the recorded value a value may differ by on the same platform class
-OTHER = 0.1  # on another one
+OTHER = 0.1  # on another one, of the value or its tolerance
 ROUNDING = Check.exact  # what nothing is demanded of may always differ by, in its unit
 
 OUTCOMES = (
@@ -324,12 +326,22 @@ def _shifts(before: Record, cell: Cell, same: bool) -> Iterator[Shift]:
         old = before.values.get(m.quantity, math.nan)
         if m.value == old or math.isnan(old):
             continue
-        floor = ROUNDING if math.isnan(m.exact) else m.exact
-        half = max((SAME if same else OTHER) * abs(old), floor)
-        bands = math.inf if math.isnan(m.value) else (m.value - old) / half if half < math.inf else -math.inf
+        bands = _bands(old, m, same)
         demanded = not math.isnan(m.tolerance)
         weight = abs(m.value - old) / m.tolerance if demanded and m.tolerance > 0.0 else abs(bands)
         yield Shift(m.quantity, old, m.value, demanded, bands, math.inf if math.isnan(weight) else weight)
+
+
+def _bands(old: float, m: Measurement, same: bool) -> float:
+    """By how many half-widths of the band around the recorded value the number is off."""
+    demanded = not math.isnan(m.tolerance)
+    if not (same or demanded):
+        return 0.0
+    if math.isnan(m.value) or math.isinf(old):
+        return math.inf if math.isnan(m.value) else -math.inf
+    floor = ROUNDING if math.isnan(m.exact) else m.exact
+    share = SAME * abs(old) if same else OTHER * max(abs(old), m.tolerance)
+    return (m.value - old) / max(share, floor)
 
 
 def tally(found: Iterable[Change]) -> dict[str, int]:

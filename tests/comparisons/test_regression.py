@@ -63,16 +63,23 @@ def test_a_quantity_that_is_measured_since_then_only_changes_nothing():
     assert beside(cell(*cell().measurements, measured("brand new", 3.0))).outcome == "identical"
 
 
-@pytest.mark.parametrize(("platform", "share"), [(HERE, SAME), (ELSEWHERE, OTHER)])
-def test_the_edge_of_the_band_is_a_share_of_the_record(platform, share):
-    def outcome(factor):
-        rows = measured("position error", 0.01 * factor, 0.1, 1e-9), measured("energy kept", 0.5)
-        return beside(cell(*rows), platform=platform).outcome
+@pytest.mark.parametrize(
+    ("platform", "value", "half"),
+    [(HERE, 0.01, SAME * 0.01), (HERE, 0.4, SAME * 0.4), (ELSEWHERE, 0.05, OTHER * 0.1), (ELSEWHERE, 0.4, OTHER * 0.4)],
+)
+def test_the_edge_of_the_band_is_a_share_of_the_record_or_elsewhere_of_the_tolerance(platform, value, half):
+    state = "ok" if value < 0.1 else "fail"
+    before = kept(cell(measured("position error", value, 0.1, 1e-9), state=state))
 
-    assert outcome(1.0 + 0.99 * share) == "in band"
-    assert outcome(1.0 + 1.01 * share) == "regressed"
-    assert outcome(1.0 - 0.99 * share) == "in band"
-    assert outcome(1.0 - 1.01 * share) == "improved"
+    def outcome(change):
+        return beside(
+            cell(measured("position error", value + change, 0.1, 1e-9), state=state), before, platform
+        ).outcome
+
+    assert outcome(0.99 * half) == "in band"
+    assert outcome(1.01 * half) == "regressed"
+    assert outcome(-0.99 * half) == "in band"
+    assert outcome(-1.01 * half) == "improved"
 
 
 def test_rounding_is_never_news():
@@ -84,6 +91,13 @@ def test_rounding_is_never_news():
 def test_what_nothing_is_demanded_of_moves():
     change = beside(cell(measured("position error", 0.01, 0.1, 1e-9), measured("energy kept", 0.4)))
     assert (change.outcome, change.quantity, change.before, change.now) == ("moved", "energy kept", 0.5, 0.4)
+
+
+@pytest.mark.parametrize("value", [0.4, 0.0, math.nan, math.inf])
+def test_what_nothing_is_demanded_of_is_not_judged_where_rounding_differs(value):
+    now = cell(measured("position error", 0.01, 0.1, 1e-9), measured("energy kept", value))
+    assert beside(now, platform=ELSEWHERE).outcome == "in band"
+    assert beside(now).outcome == "moved"
 
 
 def test_a_demand_weighs_more_than_what_only_moves():
