@@ -89,7 +89,7 @@ def test_friction_2_per_cent_off_in_one_adapter_is_caught_and_named_everywhere(c
     assert "regressed: ok → fail; velocity error" in failure.get("message")
     assert "reproduce: plumbline run -e pymunk -s 'sliding-block[]'" in cases[guilty].find("system-out").text
     page = (run / "index.html").read_text()
-    section = page[page.index('<section id="regressions"') : page.index('<section id="verdicts"')]
+    section = page.partition('<section id="regressions"')[2].partition("</section>")[0]
     assert section.count("<li>") == 1
     assert "sliding-block" in section
     assert "ok → fail" in section
@@ -153,6 +153,7 @@ def test_another_platform_class_is_compared_with_the_generic_rows(check, monkeyp
     monkeypatch.setattr("plumbline.baselines.platform_class", lambda: "plan9-mips")
     code, told, _ = check()
     assert (code, set(outcomes(told).values())) == (0, {"identical"})
-    assert check(factor=1.0001)[0] == 1  # its velocities were exact to rounding, and no band hides that they are not
+    code, told, _ = check(factor=1.0001)  # less than a tenth of the tolerance: rounding may do as much elsewhere
+    assert (code, outcomes(told)["sliding-block", "pymunk"]) == (0, "in band")
     code, told, _ = check(factor=1.02)
     assert (code, outcomes(told)["sliding-block", "pymunk"]) == (1, "regressed")
