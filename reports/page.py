@@ -15,7 +15,8 @@ from reports.palette import css
 from reports.sections import environment, rendered
 from reports.suite import without_sweep
 
-SCRIPTS = ("page.js", *(f"player/{name}.js" for name in ("blocks", "meshes", "camera", "webgl", "canvas", "player")))
+PLAYER = ("inks", "blocks", "meshes", "camera", "webgl", "canvas", "plots", "stage", "player")
+SCRIPTS = ("page.js", *(f"player/{name}.js" for name in PLAYER))
 STYLES = ("figure.css", "page.css", "player.css")
 
 

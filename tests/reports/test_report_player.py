@@ -157,7 +157,7 @@ def test_a_lost_context_is_replaced(watch):
 def test_poses_in_the_browser_are_the_recorded_ones_within_half_a_quantum(watch, recordings, page_path):
     page = watch()
     header, _ = unpacked(page.locator(f"[data-scene={SCENE}]").text_content())
-    found = page.evaluate("""async () => (await Player.scene()).engines.map((e) => ({
+    found = page.evaluate("""async () => (await player.scene()).engines.map((e) => ({
       name: e.name, t: [...e.t], x: e.x.map((b) => b.map((a) => [...a])), q: e.q.map((b) => b.map((c) => [...c])),
     }))""")
     assert [e["name"] for e in found] == list(ENGINES)
@@ -174,7 +174,7 @@ def test_poses_in_the_browser_are_the_recorded_ones_within_half_a_quantum(watch,
 def test_between_samples_bodies_move_on_straight_lines_and_stay_rigid(watch, recordings):
     page = watch()
     pose = page.evaluate(
-        "async () => { const s = await Player.scene(); return Blocks.poses(s, s.engines[0], 0.505)[2]; }"
+        "async () => { const s = await player.scene(); return Blocks.poses(s, s.engines[0], 0.505)[2]; }"
     )
     a, b = recordings["reference"].at(50), recordings["reference"].at(51)
     assert pose[:3] == pytest.approx(0.5 * (a.x[2] + b.x[2]), abs=1e-3)
