@@ -49,7 +49,7 @@ VERDICTS = {
     "changes": "the motion is another one",
     "missing": "the engine stops and names the effect",
     "demanded": "the scene is not possible without it",
-    "refused": "the engine refuses the scene with it, or without it",
+    "refused": "the engine refuses the scene",
     "differs": "the motion is neither the same nor clearly another one",
     "broke": "the run failed",
 }
@@ -119,7 +119,7 @@ class Proof:
     @property
     def whole(self) -> bool:
         """Whether it was compared to the end."""
-        return self.until >= self.duration * (1.0 - 1e-9)
+        return _reaches(self.until, self.duration)
 
 
 def to_plain(proof: Proof) -> dict[str, Any]:
@@ -154,6 +154,11 @@ class Bench:
     declared: Run  # the scene as declared, at `times`
     room: Room
     clock: float
+
+    @property
+    def whole(self) -> bool:
+        """Whether the budget reaches to the end."""
+        return _reaches(self.times[-1], self.scenario.duration)
 
     def run(self, scene: Scene, until: Callable[[State], bool] = lambda _: False, engine: Engine | None = None) -> Run:
         """A run of a variant of the scene, up to where `until` holds or it takes `SLOW` times as long.
@@ -278,9 +283,10 @@ def _compared(bench: Bench, name: str, declared: bool, found: Run) -> Row:
     apart = Gauge(bench).apart(found)
     end, worst = float(bench.times[len(apart) - 1]), float(apart.max())
     if worst <= SAME:
-        whole = len(apart) == len(bench.times)
-        text = "" if whole else f"cut short: {SLOW:g} times slower than the scene as declared"
-        return Row(name, declared, "same" if whole else "same until", worst, end, text=text)
+        text = "" if len(apart) == len(bench.times) else f"cut short: {SLOW:g} times slower than the scene as declared"
+        if declared and not text and not bench.whole:
+            text = "what comes later the budget leaves open"
+        return Row(name, declared, "same until" if text else "same", worst, end, text=text)
     first = int(np.argmax(apart > SAME))
     rounding = _rounding(bench, first if declared else 2 * first)
     if first > 0 and rounding:
@@ -356,6 +362,10 @@ def _ratios(bench: Bench, variants: list[Variant]) -> list[tuple[float, int]]:
     cells = [partial(run, one.engine, one.scene, bench.times, bench.settings) for one in every]
     own, *others = (_seconds(found) for found in in_turns(cells, rounds))
     return [(other / own if own else math.nan, rounds) for other in others]
+
+
+def _reaches(time: float, end: float) -> bool:
+    return bool(time >= end * (1.0 - 1e-9))
 
 
 def _seconds(found: Run) -> float:

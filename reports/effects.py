@@ -14,6 +14,8 @@ from mechanics.effects import EFFECTS
 from reports.content import Content, view_of
 from reports.numbers import short
 
+ACTS = ("changes", "missing", "demanded", "refused")  # what shows that a declared effect is needed
+
 
 def finding(row: Row) -> str:
     """What was found of one effect, in a sentence."""
@@ -138,7 +140,7 @@ class Ledger:
     def sentence(self) -> str:
         """What the numbers come to."""
         same, idle = self.count(False, "same", "same until"), self.count(False, *VERDICTS)
-        acts, all_of = self.count(True, "changes", "missing", "demanded"), self.count(True, *VERDICTS)
+        acts, all_of = self.count(True, *ACTS), self.count(True, *VERDICTS)
         whole = sum(proof.whole for proof in self.proofs if proof.rows)
         return (
             f"{len(self.lines)} scenes, {whole} of them to their end: of {idle} effects that are not declared {same} "

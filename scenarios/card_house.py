@@ -8,6 +8,7 @@ from mechanics.effects import Friction, Gravity, Resting, Rotation
 from mechanics.rotation import about
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Capsule, HalfSpace
+from scenarios.because import STANDING
 from scenarios.resting import standing
 from scenarios.scenario import Scenario, scenario
 from scenarios.tolerance import GRAVITY
@@ -28,6 +29,7 @@ def apex_force(angle: float, radius: float) -> float:
     suites=(),
     variants=({}, {"angle": 10.0, "mu": 0.1}),
     ranges={"angle": (1.0, 60.0), "mu": (0.0, 10.0)},
+    because=STANDING,
 )
 def card_house(angle: float = 25.0, mu: float = 0.24) -> Scenario:
     """Two cards lean on each other at 25 degrees from upright on a rough floor.  Nothing must happen.

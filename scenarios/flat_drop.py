@@ -10,6 +10,7 @@ from mechanics.effects import Gravity, Restitution, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
 from mechanics.trajectory import Trajectory
+from scenarios.because import UNTURNED
 from scenarios.bouncing_ball import bounce, bounce_checks, delay, impact_times
 from scenarios.motion import Motion, trajectory, vectors
 from scenarios.scenario import Scenario, scenario
@@ -19,7 +20,12 @@ SIZE = (1.0, 0.5, 0.5)  # [m]
 CLEARANCE = 0.2  # [m]
 
 
-@scenario(tags=("impact", "simultaneous", "box"), variants=({}, {"e": 1.0}, {"e": 0.8}), ranges={"e": (0.3, 1.0)})
+@scenario(
+    tags=("impact", "simultaneous", "box"),
+    variants=({}, {"e": 1.0}, {"e": 0.8}),
+    ranges={"e": (0.3, 1.0)},
+    because=UNTURNED,
+)
 def flat_drop(e: float = 0.5) -> Scenario:
     """A box dropped flat from 0.2 m lands on four corners at once and must come back up without turning.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from mechanics.effects import Force, Friction, Gravity, Resting
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
+from scenarios.because import HELD
 from scenarios.resting import standing
 from scenarios.scenario import Scenario, scenario
 
@@ -21,6 +22,7 @@ def least_squeeze(weight: float, mu: float) -> float:
     suites=(),
     variants=({}, {"squeeze": 1e3}),
     ranges={"squeeze": (9.82, 1e5)},
+    because=HELD,
 )
 def held_in_a_vice(squeeze: float = 10.5) -> Scenario:
     """A block of 1 kg hangs in the air, pressed against a wall by a jaw with 10.5 N.  Nothing must happen.

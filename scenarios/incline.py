@@ -11,6 +11,7 @@ from mechanics.rotation import about
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
 from mechanics.trajectory import Trajectory
+from scenarios.because import HELD
 from scenarios.motion import Motion, trajectory
 from scenarios.scenario import Scenario, scenario
 from scenarios.tolerance import GRAVITY, STEP, first_order
@@ -44,6 +45,7 @@ def slide(t: np.ndarray, slope: float, mu: float, speed: float) -> tuple[np.ndar
     tags=("friction", "resting", "box"),
     variants=({}, {"mu": 0.6}, {"mu": 0.6, "speed": 2.0}, {"speed": -4.0}),
     ranges={"slope": (1.0, 80.0), "mu": (0.0, 10.0), "speed": (-100.0, 100.0)},
+    because=HELD,
 )
 def incline(mu: float = 0.3, slope: float = 25.0, speed: float = 0.0) -> Scenario:
     """A block on a plane inclined by 25 degrees: with friction 0.3 it slides, with 0.6 it must stay.

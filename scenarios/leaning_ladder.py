@@ -8,6 +8,7 @@ from mechanics.effects import Friction, Gravity, Resting, Rotation
 from mechanics.rotation import about
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Capsule, HalfSpace
+from scenarios.because import STANDING
 from scenarios.resting import standing
 from scenarios.scenario import Scenario, scenario
 from scenarios.tolerance import GRAVITY
@@ -33,6 +34,7 @@ def least_angle(mu_floor: float, mu_wall: float = 0.0) -> float:
     suites=(),
     variants=({}, {"angle": 65.0}),
     ranges={"angle": (52.0, 89.0), "mu": (0.4, 10.0)},
+    because=STANDING,
 )
 def leaning_ladder(angle: float = 52.0, mu: float = 0.4) -> Scenario:
     """A ladder leans on a smooth wall at 52 degrees to a rough floor.  Nothing must happen.

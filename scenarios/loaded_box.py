@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from mechanics.effects import Force, Gravity, Resting, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
+from scenarios.because import PUSHED, STANDING
 from scenarios.resting import EDGE, standing
 from scenarios.scenario import Scenario, scenario
 from scenarios.tolerance import GRAVITY
@@ -25,6 +26,7 @@ def support(load: float, offset: float) -> tuple[float, float]:
     suites=(),
     variants=({}, {"load": 200.0, "offset": 0.9}),
     ranges={"load": (0.0, 1e4), "offset": (-0.99, 0.99)},
+    because=PUSHED,
 )
 def loaded_box(load: float = 20.0, offset: float = 0.6) -> Scenario:
     """A box of 7 kg lies on a floor and is pressed down by 20 N, 0.6 m from its middle.  Nothing must happen.
@@ -62,6 +64,7 @@ def interfaces(masses: Sequence[float]) -> list[float]:
     suites=(),
     variants=({}, {"growth": 0.5}, {"growth": 10.0}),
     ranges={"count": (2, 20), "growth": (1e-2, 100.0)},
+    because=STANDING,
 )
 def uneven_stack(growth: float = 2.0, count: int = 5) -> Scenario:
     """Five equal cubes stand on each other, each twice as heavy as the one below it.  Nothing must happen.
@@ -91,6 +94,7 @@ def overhang(count: int) -> float:
     suites=(),
     variants=({}, {"count": 5, "share": 0.9}),
     ranges={"count": (2, 10), "share": (0.0, 0.999)},
+    because=STANDING,
 )
 def overhanging_stack(count: int = 3, share: float = 0.99) -> Scenario:
     """Three blocks reach out over each other by 99 % of what they can without falling.  Nothing must happen.

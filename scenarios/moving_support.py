@@ -8,6 +8,7 @@ from mechanics.effects import Gravity, Resting
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box
 from mechanics.trajectory import Trajectory
+from scenarios.because import CARRIED
 from scenarios.motion import Motion, trajectory, vectors
 from scenarios.scenario import Scenario, scenario
 from scenarios.tolerance import GRAVITY, STEP, first_order
@@ -21,6 +22,7 @@ DURATION = 0.5  # [s]
     suites=(),
     variants=({}, {"acceleration": -15.0}, {"acceleration": 5.0}),
     ranges={"acceleration": (-100.0, 100.0)},
+    because=CARRIED,
 )
 def moving_support(acceleration: float = -5.0) -> Scenario:
     """A box lies on a plate that starts to move downwards by 5 m/s², by 15 m/s², or upwards.

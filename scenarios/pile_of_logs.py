@@ -7,6 +7,7 @@ import math
 from mechanics.effects import Friction, Gravity, Resting, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import HalfSpace, Sphere
+from scenarios.because import STANDING
 from scenarios.resting import standing
 from scenarios.scenario import Scenario, scenario
 
@@ -28,6 +29,7 @@ def thresholds() -> tuple[float, float]:
     suites=(),
     variants=({}, {"between": 0.5, "floor": 0.5}),
     ranges={"between": (0.268, 10.0), "floor": (0.0894, 10.0)},
+    because=STANDING,
 )
 def pile_of_logs(between: float = 0.28, floor: float = 0.095) -> Scenario:
     """Two logs that just touch lie on a floor, and a third lies on top of them.  Nothing must happen.

@@ -8,6 +8,7 @@ from mechanics.effects import Force, Friction, Gravity, Resting, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
 from mechanics.trajectory import Trajectory
+from scenarios.because import PUSHED
 from scenarios.motion import Motion, trajectory, vectors
 from scenarios.scenario import Scenario, scenario
 from scenarios.tilted_box import sliding_checks
@@ -38,6 +39,7 @@ def stands(push: float, mu: float, at: float) -> bool:
     suites=(),
     variants=({}, {"push": 55.0, "at": 0.7}),
     ranges={"push": (0.0, 1e3), "at": (0.01, 1.0)},
+    because=PUSHED,
 )
 def pushed_box(push: float = 80.0, at: float = 0.3) -> Scenario:
     """A box of 0.4 m by 1 m is pushed by 80 N, 0.3 m above the floor, and slides upright; by 55 N higher up it stays.

@@ -10,6 +10,7 @@ from mechanics.effects import Effect, Friction, Gravity, Resting, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
 from mechanics.trajectory import Trajectory
+from scenarios.because import GRIPPED, STANDING
 from scenarios.motion import Motion, constant, trajectory, vectors
 from scenarios.scenario import Check, Scenario, Truth, scenario
 from scenarios.tolerance import GRAVITY, STEP, first_order
@@ -64,7 +65,7 @@ def standing(scene: Scene, contacts: int, **told: Any) -> Scenario:
     return at_rest(scene, still_checks(contacts), **told)
 
 
-@scenario(tags=("resting", "box"))
+@scenario(tags=("resting", "box"), because=STANDING)
 def resting_box() -> Scenario:
     """A flat box of 7 kg lies on a floor for five seconds.  Nothing must happen.
 
@@ -82,6 +83,7 @@ def resting_box() -> Scenario:
     tags=("resting", "stack", "box"),
     variants=({}, {"count": 5}, {"count": 10}, {"count": 10, "mu": 0.5}),
     ranges={"count": (1, 200), "mu": (0.0, 10.0)},
+    because=GRIPPED,
 )
 def stack(count: int = 2, mu: float = 0.0) -> Scenario:
     """Two, five or ten equal boxes stand on each other for three seconds.  Nothing must happen.

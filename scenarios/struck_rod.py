@@ -11,6 +11,7 @@ from mechanics.rotation import exponential
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, Sphere
 from mechanics.trajectory import Trajectory
+from scenarios.because import UNTURNED
 from scenarios.motion import Motion, trajectory, vectors
 from scenarios.scenario import Scenario, Truth, scenario
 from scenarios.tolerance import STEP, converged, first_order, rounding
@@ -56,6 +57,7 @@ def after_the_blow(scene: Scene, after: Struck) -> Truth:
     suites=(),
     variants=({}, {"offset": 0.0, "e": 1.0}),
     ranges={"e": (0.0, 1.0), "offset": (-0.55, 0.55)},
+    because=UNTURNED,
 )
 def struck_rod(e: float = 0.7, offset: float = 0.4) -> Scenario:
     """A ball strikes an upright rod 0.4 m above its middle; the rod flies off and spins.

@@ -11,6 +11,7 @@ from mechanics.rotation import about
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
 from mechanics.trajectory import Trajectory
+from scenarios.because import STANDING
 from scenarios.motion import Motion, trajectory
 from scenarios.scenario import Check, Scenario, Truth, scenario
 from scenarios.swing import fall_time
@@ -62,6 +63,7 @@ def sliding_checks(angle: float, mu: float, duration: float) -> tuple[Check, ...
     suites=(),
     variants=({}, {"slope": 18.0}, {"slope": 25.0, "mu": 0.6}),
     ranges={"slope": (0.0, 45.0), "mu": (0.0, 10.0)},
+    because=STANDING,
 )
 def tilted_box(slope: float = 15.0, mu: float = 0.3) -> Scenario:
     """A box of 0.4 m by 1 m stands on a slope: at 15 degrees it stays, at 18 it slides, at 25 on a rougher one it tips.

@@ -7,6 +7,7 @@ import math
 from mechanics.effects import Friction, Gravity, Resting, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import HalfSpace, Sphere
+from scenarios.because import HELD, STANDING
 from scenarios.resting import standing
 from scenarios.scenario import Scenario, scenario
 from scenarios.tolerance import GRAVITY
@@ -27,6 +28,7 @@ def groove_forces(mass: float, left: float, right: float) -> tuple[float, float]
     suites=(),
     variants=({}, {"left": 5.0, "right": 85.0}),
     ranges={"left": (1.0, 89.0), "right": (1.0, 89.0)},
+    because=HELD,
 )
 def v_groove(left: float = 35.0, right: float = 60.0) -> Scenario:
     """A ball of 4 kg lies in a smooth groove with sides of 35 and 60 degrees.  Nothing must happen.
@@ -59,6 +61,7 @@ def pile_thresholds() -> tuple[float, float]:
     suites=(),
     variants=({}, {"between": 0.5, "floor": 0.5}),
     ranges={"between": (0.32, 10.0), "floor": (0.08, 10.0)},
+    because=STANDING,
 )
 def pile_of_balls(between: float = 0.34, floor: float = 0.09) -> Scenario:
     """Three balls that just touch lie on a floor, and a fourth lies on top of them.  Nothing must happen.

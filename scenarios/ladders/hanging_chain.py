@@ -5,6 +5,7 @@ from __future__ import annotations
 from mechanics.effects import Gravity, Hinge, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, Sphere
+from scenarios.because import STANDING
 from scenarios.ladder import STABLE, Ladder
 from scenarios.resting import at_rest
 from scenarios.scenario import Check, Scenario, scenario
@@ -13,7 +14,7 @@ LINK, LOAD = 0.25, 100.0  # [m], [kg]; a binary fraction: the links meet bit by 
 STRETCHED = "half a link"
 
 
-@scenario(tags=("ladder", "joint", "chain"), suites=(), ranges={"links": (1, 1000)})
+@scenario(tags=("ladder", "joint", "chain"), suites=(), ranges={"links": (1, 1000)}, because=STANDING)
 def hanging_chain(links: int = 1) -> Scenario:
     """Links of 1 kg, hinged to each other, hang straight down and hold a ball of 100 kg.  Nothing must happen.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from mechanics.effects import Friction, Gravity, Resting, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
+from scenarios.because import GRIPPED
 from scenarios.ladder import STABLE, Ladder
 from scenarios.resting import at_rest
 from scenarios.scenario import Check, Scenario, scenario
@@ -12,7 +13,12 @@ from scenarios.scenario import Check, Scenario, scenario
 SUNK = "a twentieth of an edge: seen with the naked eye"
 
 
-@scenario(tags=("ladder", "resting", "stack", "box"), suites=(), ranges={"ratio": (1e-9, 1e9), "edge": (1e-3, 1e3)})
+@scenario(
+    tags=("ladder", "resting", "stack", "box"),
+    suites=(),
+    ranges={"ratio": (1e-9, 1e9), "edge": (1e-3, 1e3)},
+    because=GRIPPED,
+)
 def heavy_on_light(ratio: float = 1.0, edge: float = 1.0) -> Scenario:
     """A cube of `ratio` kg lies on an equal one of 1 kg for three seconds.  Nothing must happen.
 

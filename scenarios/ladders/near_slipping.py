@@ -8,6 +8,7 @@ from mechanics.effects import Friction, Gravity, Resting
 from mechanics.rotation import about
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
+from scenarios.because import HELD
 from scenarios.ladder import STABLE, Ladder
 from scenarios.resting import at_rest
 from scenarios.scenario import Check, Scenario, scenario
@@ -16,7 +17,7 @@ SIZE, SLOPE = (0.4, 0.4, 0.1), math.radians(20.0)  # [m], [rad]
 CREPT = "a hundredth of its length: it is not held but slides slowly"
 
 
-@scenario(tags=("ladder", "friction", "resting", "box"), suites=(), ranges={"margin": (0.0, 100.0)})
+@scenario(tags=("ladder", "friction", "resting", "box"), suites=(), ranges={"margin": (0.0, 100.0)}, because=HELD)
 def near_slipping(margin: float = 1.0) -> Scenario:
     """A block lies on a slope of 20 degrees for two seconds, with a little more friction than it needs.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from mechanics.effects import Friction, Gravity, Resting, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
+from scenarios.because import GRIPPED
 from scenarios.ladder import STABLE, Ladder
 from scenarios.scenario import Check, Scenario, scenario
 
@@ -12,7 +13,7 @@ EDGE = 1.0  # [m]
 THROWN = "the overlap, by which the cube is lifted if it is undone, and a twentieth of an edge"
 
 
-@scenario(tags=("ladder", "resting", "overlap", "box"), suites=(), ranges={"overlap": (0.0, 0.9)})
+@scenario(tags=("ladder", "resting", "overlap", "box"), suites=(), ranges={"overlap": (0.0, 0.9)}, because=GRIPPED)
 def overlapping_boxes(overlap: float = 0.0) -> Scenario:
     """A cube lies on another one, put together with an overlap of a part of their edge.  It must not be thrown.
 

@@ -10,6 +10,7 @@ from mechanics.effects import Resting, Restitution
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, Sphere
 from mechanics.trajectory import Trajectory
+from scenarios.because import STUCK
 from scenarios.ladder import STABLE, Ladder
 from scenarios.motion import Motion, trajectory, vectors
 from scenarios.scenario import Scenario, scenario
@@ -19,7 +20,7 @@ BALLS = 8  # each meets the wall at another fraction of a time step
 FLIGHT, SPREAD = 0.1, 1.0 / 60.0  # [s] before the first ball arrives, and until the last one has: the longest step
 
 
-@scenario(tags=("ladder", "impact", "tunnelling"), suites=(), ranges={"speed": (1e-3, 1e5)})
+@scenario(tags=("ladder", "impact", "tunnelling"), suites=(), ranges={"speed": (1e-3, 1e5)}, because=STUCK)
 def thin_wall(speed: float = 1.0) -> Scenario:
     """Eight balls of 10 cm fly at a wall 2 cm thick, each arriving at another fraction of a step.  None may pass.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from mechanics.effects import Friction, Gravity, Resting, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
+from scenarios.because import GRIPPED
 from scenarios.ladder import STABLE, Ladder
 from scenarios.resting import at_rest
 from scenarios.scenario import Check, Scenario, scenario
@@ -17,6 +18,7 @@ PLACE = "a quarter of an edge: with so much between neighbours a tower leans to 
     tags=("ladder", "resting", "stack", "box"),
     suites=(),
     ranges={"count": (1, 1000), "edge": (1e-3, 1e3), "scale": (1e-6, 1e6)},
+    because=GRIPPED,
 )
 def tower(count: int = 1, edge: float = 1.0, scale: float = 1.0) -> Scenario:
     """Equal cubes with friction 0.5 stand on each other for three seconds: does the tower stand?

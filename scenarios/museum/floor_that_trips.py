@@ -10,6 +10,7 @@ from mechanics.effects import Gravity, Resting, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box
 from mechanics.trajectory import Trajectory
+from scenarios.because import STANDING
 from scenarios.exhibit import Exhibit, Remedy
 from scenarios.motion import Motion, trajectory, vectors
 from scenarios.scenario import Check, Scenario, scenario
@@ -41,6 +42,7 @@ EXHIBIT = Exhibit(
     variants=({}, {"edge": 0.3}, {"floor": "slab"}),
     ranges={"floor": ("tiles", "slab"), "edge": (0.01, 0.9)},
     version=2,
+    because=STANDING,
 )
 def floor_that_trips(floor: str = "tiles", edge: float = 0.2) -> Scenario:
     """A smooth box of 20 or 30 cm slides at almost 2 m/s over ten flush tiles, or over one slab, and must not notice.

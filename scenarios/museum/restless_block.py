@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from scenarios.because import HELD
 from scenarios.exhibit import Exhibit, Remedy
 from scenarios.incline import incline
 from scenarios.scenario import Check, Scenario, scenario
@@ -25,7 +26,7 @@ EXHIBIT = Exhibit(
 )  # fmt: skip
 
 
-@scenario(tags=("museum", "friction"), suites=("museum",))
+@scenario(tags=("museum", "friction"), suites=("museum",), because=HELD)
 def restless_block() -> Scenario:
     """A block on a gentle, rough slope must stay where it is for ten seconds.
 

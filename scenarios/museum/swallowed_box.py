@@ -7,6 +7,7 @@ from dataclasses import replace
 from mechanics.effects import Friction, Gravity, Resting, Rotation
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace
+from scenarios.because import GRIPPED
 from scenarios.exhibit import Exhibit, Remedy
 from scenarios.resting import at_rest
 from scenarios.scenario import Check, Scenario, scenario
@@ -54,6 +55,7 @@ def _tower(masses: list[float], edge: float) -> Scenario:
     suites=("museum",),
     variants=({}, {"ratio": 100.0}, {"edge": 0.125}),
     ranges={"ratio": (1.0, 1e6), "edge": (0.01, 10.0)},
+    because=GRIPPED,
 )
 def swallowed_box(ratio: float = 1000.0, edge: float = 1.0) -> Scenario:
     """A cube `ratio` times as heavy stands on an equal cube of 1 kg, for five seconds.  Nothing must happen.
@@ -69,6 +71,7 @@ def swallowed_box(ratio: float = 1000.0, edge: float = 1.0) -> Scenario:
     suites=("museum",),
     variants=({}, {"edge": 0.125}),
     ranges={"edge": (0.01, 10.0)},
+    because=GRIPPED,
 )
 def small_tower(edge: float = 1.0) -> Scenario:
     """Twenty equal cubes stand on each other for five seconds, as large as houses or as bricks.  Nothing must happen.
