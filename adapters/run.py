@@ -212,8 +212,8 @@ def run(
     """Run `scene` in `engine`, recording the state at `times` [s], or only up to the first for which `until` holds.
 
     With more than one repeat a warm-up precedes them and is discarded; each repeat is built anew,
-    because only a rebuilt world is the same world in every engine.  A run whose warm-up takes longer
-    than `LONG` is not repeated, and says so.
+    because only a rebuilt world is the same world in every engine.  A run that takes longer than
+    `LONG` even when it is warm is not repeated, and says so.
 
     Parameters
     ----------
@@ -236,8 +236,9 @@ def in_turns(cells: Sequence[Callable[[bool], Run]], repeats: int = 1, sampled: 
     """Runs of several cells in one sitting; with more than one repeat they are timed in turns, A B B A.
 
     Whatever slows the machine down for a while then slows all of them, and none is favoured by its place.  Everything
-    runs once first: that is the motion that is kept, and it warms up.  What broke in it, or took longer than `LONG`, is
-    not run again.  When it is timed, states are not read on the way: between two reads the caches are the engine's.
+    runs once first: that is the motion that is kept, and it warms up.  What broke in it is not run again; what took
+    longer than `LONG` is run once more, because an engine may compile itself in its first run, and not repeated if that
+    is as long.  When it is timed, states are not read on the way: between two reads the caches are the engine's.
 
     Parameters
     ----------
@@ -250,13 +251,16 @@ def in_turns(cells: Sequence[Callable[[bool], Run]], repeats: int = 1, sampled: 
     first = [cell(sampled) for cell in cells]
     if repeats <= 1:
         return first
-    timed: dict[int, list[Run]] = {k: [] for k, run in enumerate(first) if _is_short(run)}
+    warm = [
+        cell(False) if _is_whole(run) and not _is_short(run) else run for cell, run in zip(cells, first, strict=True)
+    ]
+    timed: dict[int, list[Run]] = {k: [] for k, run in enumerate(warm) if _is_short(run)}
     for turn in range(repeats):
         for k in sorted(timed, reverse=turn % 2 == 0):
             if not timed[k] or _is_whole(timed[k][-1]):  # after a run that broke none is risked
                 run = cells[k](False)  # of what ended well the motion is there already
                 timed[k].append(replace(run, outcome=first[k].outcome) if _is_whole(run) else run)
-    return [_timed(run, timed[k]) if k in timed else _untimed(run) for k, run in enumerate(first)]
+    return [_timed(first[k], timed[k]) if k in timed else _untimed(first[k], warm[k]) for k in range(len(cells))]
 
 
 def _is_whole(run: Run) -> bool:
@@ -267,11 +271,12 @@ def _is_short(run: Run) -> bool:
     return _is_whole(run) and run.timing is not None and int(run.timing.wall.sum()) <= LONG
 
 
-def _untimed(run: Run) -> Run:
-    """A run that is not repeated; one that came to its end says why."""
-    if not _is_whole(run) or run.timing is None:
-        return run
-    return replace(run, notes=(*run.notes, f"run once, not timed: {run.timing.wall.sum() * 1e-9:.0f} s"))
+def _untimed(first: Run, warm: Run) -> Run:
+    """A run that is not repeated; one that came to its end twice says why."""
+    if not _is_whole(warm) or warm.timing is None:
+        return warm
+    note = f"run twice, not timed: {warm.timing.wall.sum() * 1e-9:.0f} s"
+    return replace(first, timing=warm.timing, notes=(*first.notes, note))
 
 
 def _timed(first: Run, repeats: Sequence[Run]) -> Run:

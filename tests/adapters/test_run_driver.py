@@ -1,5 +1,7 @@
 """The driver of engines: what an engine does ends as a Run; only the caller's mistakes raise."""
 
+import time
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -103,7 +105,26 @@ def test_a_long_run_is_not_repeated_and_says_so(toy, monkeypatch):
     monkeypatch.setattr("adapters.run.LONG", 0)
     long = run(toy, SCENE, TIMES, repeats=3)
     assert long.timing.wall.shape[0] == 1
-    assert long.notes[-1].startswith("run once, not timed")
+    assert long.notes[-1].startswith("run twice, not timed")
+
+
+def test_an_engine_that_is_slow_only_in_its_first_run_is_timed(toy, monkeypatch):
+    swift, first = toy.advance, [True]
+
+    def compiles_itself_first(world, duration):
+        if first[0]:
+            time.sleep(0.02)
+        swift(world, duration)
+
+    def closes(world):
+        first[0] = False
+
+    monkeypatch.setattr("adapters.run.LONG", 100_000_000)  # ns; ten intervals of the first run take 0.2 s
+    monkeypatch.setattr(toy, "advance", compiles_itself_first)
+    monkeypatch.setattr(toy, "close", closes, raising=False)
+    timed = run(toy, SCENE, TIMES, repeats=2)
+    assert timed.timing.wall.shape == (2, 10)
+    assert not timed.notes
 
 
 def test_a_run_that_does_not_repeat_itself_says_so(toy, monkeypatch):
