@@ -69,8 +69,8 @@ class Point:
 
     @property
     def pair(self) -> Pair:
-        """Cost and error."""
-        return self.cost, self.error
+        """Cost and error; infinite both, and so on no front, if one of them is missing."""
+        return (self.cost, self.error) if self.whole else (math.inf, math.inf)
 
 
 @dataclass(frozen=True)
@@ -173,9 +173,9 @@ class Frontier:
         """
         found: tuple[Reach, Point | None] = (NOWHERE, None)
         for curve in self.curves:
-            this = reach([p.pair for p in curve.whole], target)
+            this = reach([p.pair for p in curve.points], target)
             if this.how and not found[0].cost <= this.cost:
-                found = this, curve.whole[this.place]
+                found = this, curve.points[this.place]
         return found
 
     def cheapest(self, target: float) -> Point | None:

@@ -86,7 +86,8 @@ def _tip(point: Point) -> str:
     low, middle, high = (short(v, 2) for v in point.spread)
     error = f"error {high}" if low == high else f"error {low} · {middle} · {high} over the phases of a step"
     noise = f", contention {short(100 * point.cell.contention, 2)} %" if disturbed(point) else ""
-    return f"{head}, {error}, {short(point.cost)} ms/s{noise}"
+    repeats = "" if point.cell.deterministic else ", does not repeat itself"
+    return f"{head}, {error}, {short(point.cost)} ms/s{noise}{repeats}"
 
 
 def _guides(section: Section, told: Mapping[str, Any]) -> tuple[tuple[float, str] | None, tuple]:

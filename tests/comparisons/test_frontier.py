@@ -155,6 +155,14 @@ def test_a_run_that_ended_early_has_no_error_and_is_not_dropped():
     assert found.main.alarms[0].fine == STEPS[-1]
 
 
+def test_across_a_setting_that_broke_nothing_is_interpolated():
+    cells = ladder("fall", "a", 1.0)
+    cells[4] = cell("fall", "a", None, math.nan, state="crash", dt=STEPS[4], iterations=50.0)
+    reached, point = frontiers(campaign(*cells))[0].reach(1e-3)  # 1/480 s errs by 2.1e-3, 1/1920 s by 5.2e-4
+    assert (reached.how, reached.cost) == ("at", pytest.approx(1920.0))
+    assert point.cell.settings["dt"] == STEPS[5]
+
+
 def test_a_refusal_is_no_failure_and_scenarios_without_place_have_no_frontier():
     refused = cell("fall", "b", None, math.nan, state="refused", dt=1e-3)
     other = cell("energy", "a", None, 1.0, dt=1e-3)
