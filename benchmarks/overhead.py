@@ -1,6 +1,6 @@
 """What the house adds to the clocked loop: engines driven through their adapters, and by bare calls of their libraries.
 
-Both take the same steps in worlds built alike, in turns; both are clocked from sample to sample; envelopes are compared.
+Both take the same steps in worlds built alike, in turns, clocked from sample to sample; their envelopes are compared.
 """
 
 from __future__ import annotations
