@@ -56,7 +56,7 @@ class Record:
     values : dict
         Quantity -> its value, where it is a number.
     words : dict
-        Quantity -> what was said of it, where it is none.
+        Quantity -> what was said of it, where a word is the answer (such as the impact law).
     demanded : dict
         Quantity -> [tolerance, exact], where something was demanded.
     platform : str
@@ -180,11 +180,16 @@ def record(cell: Cell, question: str, platform: str, reason: str = "") -> Record
         cell.digest,
         question,
         numbers,
-        {m.quantity: m.text for m in cell.measurements if m.quantity not in numbers},
+        _words(cell),
         {m.quantity: [m.tolerance, m.exact] for m in cell.measurements if not math.isnan(m.tolerance)},
         platform,
         reason,
     )
+
+
+def _words(cell: Cell) -> dict[str, str]:
+    """Answers that are words: they have no unit.  Of a number that could not be measured the text is a remark."""
+    return {m.quantity: m.text for m in cell.measurements if math.isnan(m.value) and not m.unit}
 
 
 def to_plain(made: Record) -> dict[str, Any]:
@@ -302,7 +307,7 @@ def _by_numbers(before: Record, cell: Cell, same: bool) -> tuple[str, Shift | No
     lost = [name for name in before.values if name in before.demanded and cell.of(name) is None]
     if lost:
         return "gone", None, f"{lost[0]} is not measured any more"
-    said = {m.quantity: m.text for m in cell.measurements if math.isnan(m.value)}
+    said = _words(cell)
     other = [name for name, text in before.words.items() if name in said and said[name] != text]
     if other:
         return "moved", None, f"{other[0]}: {before.words[other[0]]} → {said[other[0]]}"

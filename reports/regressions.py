@@ -85,7 +85,7 @@ def _numbers(change: Change) -> str:
     while digits < 17 and short(change.before, digits) == short(change.now, digits):
         digits += 1
     both = f"{with_unit(change.before, unit, digits)} → {with_unit(change.now, unit, digits)}"
-    band = f"band {100 * (SAME if change.same else OTHER):g} %"
+    band = f"band {100 * SAME:g} %" if change.same else f"band {100 * OTHER:g} % of value or tolerance"
     factor = change.now / change.before if change.before else math.inf
     if change.outcome not in ("regressed", "improved") or not (factor < 1e4 and abs(factor - 1.0) > 0.02):
         return f"{change.quantity} {both} ({band})"

@@ -26,7 +26,7 @@ HERE, ELSEWHERE = "linux-x86_64-v3", "linux-x86_64-v4"
 
 def measured(quantity, value, tolerance=math.nan, exact=math.nan, text=""):
     verdict = "info" if math.isnan(tolerance) else "ok" if value <= tolerance else "fail"
-    return Measurement(quantity, value, "m", 1.0, text, tolerance, exact, "", verdict)
+    return Measurement(quantity, value, "" if text else "m", 1.0, text, tolerance, exact, "", verdict)
 
 
 def cell(*rows, state="ok", engine="toy", scenario="drop", digest="d0", **more):
@@ -115,6 +115,11 @@ def test_another_impact_law_moves():
     before = kept(cell(measured("impact law", math.nan, text="sequential")))
     change = beside(cell(measured("impact law", math.nan, text="simultaneous")), before)
     assert (change.outcome, change.why) == ("moved", "impact law: sequential → simultaneous")
+
+
+def test_a_remark_on_what_could_not_be_measured_is_no_answer():
+    before, now = (replace(measured("restitution", math.nan), text=text) for text in ("too slow", "much too slow"))
+    assert beside(cell(now), kept(cell(before))).outcome == "identical"
 
 
 def test_a_demand_that_is_not_measured_any_more_is_gone():
