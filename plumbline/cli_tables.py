@@ -1,4 +1,4 @@
-"""The verb `tables`: energy, momentum, restitution of every engine side by side, for any run and in any format."""
+"""The verbs `tables` and `figures`: what a run measured, side by side and over time, in formats for other documents."""
 
 from __future__ import annotations
 
@@ -67,3 +67,36 @@ def _newest() -> str:
     if not found:
         raise ValueError("there is no run in runs/: say one with --run")
     return str(found[-1])
+
+
+@click.command("figures")
+@click.option("--run", "runs", multiple=True, metavar="RUN",
+              help="Folder of a run (repeatable).  [default: the newest in runs/]")  # fmt: skip
+@click.option("-s", "--scenario", "selectors", multiple=True, metavar="NAME",
+              help="Only figures of these scenarios, as they are printed (repeatable).")  # fmt: skip
+@click.option("--as", "kinds", type=click.Choice(["svg", "png", "pdf"]), multiple=True, default=["svg"],
+              show_default=True, help="Format (repeatable); PNG and PDF are drawn by Chromium.")  # fmt: skip
+@click.option("--out", required=True, metavar="DIR", help="Folder for the files; made if it is not there.")
+def figures(runs: tuple[str, ...], selectors: tuple[str, ...], kinds: tuple[str, ...], out: str) -> int:
+    """Write the figures of a run as files: accuracy against cost, and energy, momentum, gap and error over time."""
+    from dataclasses import replace
+
+    from plumbline.results import Results, merged
+    from reports import figure_files
+    from reports.recorded import look_up
+
+    with harness(), usage():
+        results = merged([Results.read(path) for path in runs or (_newest(),)])
+        campaign = results.campaign
+        chosen = tuple(c for c in campaign.cells if not selectors or c.scenario in selectors)
+        known, place, amount = look_up(campaign), Path(out), 0
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+            for name, figure in figure_files.figures(replace(campaign, cells=chosen), results.traces, known):
+                for kind in kinds:
+                    figure_files.write(figure, place / f"{name}.{kind}")
+                    amount += 1
+        except OSError as error:
+            raise click.FileError(str(error.filename), error.strerror) from error
+    click.echo(f"{amount} files in {place}")
+    return 0 if amount else 5
