@@ -30,6 +30,10 @@ if TYPE_CHECKING:
 
 
 STUCK = 1e-8  # part of a contact row that joints leave free, below which the contact is theirs
+# singular value of rows of unit length below which what tells them apart is no direction to move in: normals of faces
+# that lie on each other differ by their tilt (1e-9 where they touch) over the sine between edges, and masses that press
+# on one that is lighter by the factor r by 1/√r
+SAME = 1e-7
 SWEEPS = 5  # of Newton's method on the gaps of joints; quadratic, from what one step leaves of them
 
 
@@ -241,9 +245,9 @@ class Island:
 
 
 def nearest(g: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """The smallest y with G y = target; the best there is if the rows contradict each other."""
+    """The smallest y with G y = target; the best there is if the rows contradict each other, to within SAME."""
     length = np.sqrt(np.einsum("ij,ij->i", g, g))
-    return np.linalg.lstsq(g / length[:, None], target / length, rcond=1e-10)[0]
+    return np.linalg.lstsq(g / length[:, None], target / length, rcond=SAME)[0]
 
 
 def rounding(b: Bodies, bodies: np.ndarray) -> float:

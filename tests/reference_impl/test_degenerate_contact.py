@@ -5,12 +5,13 @@ from itertools import product
 import numpy as np
 import pytest
 
-from mechanics.effects import Gravity, Resting, Restitution, Rotation
+from mechanics.effects import Force, Gravity, Resting, Restitution, Rotation
 from mechanics.rotation import about, matrix
 from mechanics.scene import Body, Scene
 from mechanics.shapes import Box, HalfSpace, Sphere
 from reference_impl.collide.detect import kinematics, rotations
 from reference_impl.errors import Overlap
+from reference_impl.settings import Settings
 from reference_impl.simulate import advance, begin, simulate
 from reference_impl.world import STILL
 
@@ -185,3 +186,25 @@ def test_a_ball_bounces_at_any_size_and_place(scale, offset):
     grain = np.spacing(offset) / scale
     assert (motion.x[1, 1, 2] - offset) / scale == pytest.approx(0.35, abs=1e-14 + 4.0 * grain)
     assert abs(motion.v[1, 1, 2]) * fall / scale <= 1e-14 + 20.0 * grain
+
+
+def test_a_plate_that_is_pulled_away_leaves_the_smooth_box_on_it_where_it_is():
+    """Faces that touch to 1e-9 of their size are tilted by as much, and edges that cross at a small angle by more.
+
+    A motion that differs between their normals only is none to brake: it would be made a spin of 500 rad/s.
+    """
+    plate = Body("plate", Box((1e-3, 1e-3, 1e-3)), 2.0, (0.0, 0.0, 5e-4), velocity=(0.0, 1e-3, 0.0),
+                 angular_velocity=(0.0, 1.0, 0.0))  # fmt: skip
+    box = Body("box", Box((2e-4, 1e-3, 1e-3)), 1.0, (0.0, 0.0, 1.5e-3), angular_velocity=(1.0, 1.0, -2.0))
+    pull = Force("plate", (-6.2, -0.6, -3.6), point=(-1.2e-4, 8.4e-6, 8.4e-5), start=0.048, end=0.4)
+    effects = (Gravity(), Rotation(), Restitution(0.3), Resting(), pull)
+    world = begin(Scene((FLOOR, plate, box), effects), Settings(impact_law="simultaneous"))
+    advance(world, 0.045)
+    before = world.state()
+    for _ in range(6):  # its edge has not come to the middle of the box yet
+        advance(world, 3e-3)
+        state = world.state()
+        assert np.abs(state.v[2] - before.v[2]).max() <= 1e-9
+        assert state.w[2] == pytest.approx(before.w[2], abs=1e-6)
+    assert np.linalg.norm(state.x[1] - before.x[1]) > 3e-4
+    assert world.audit.energy_rise <= 1e-15
