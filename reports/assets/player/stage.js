@@ -114,7 +114,7 @@ class Stage {
     const [first, ...others] = engines.slice(0, Stage.MOST_OVERLAID);
     // the first outline is the broadest, so that equal motions show as layers
     const outlines = others.flatMap((e, k) => this.instances(e, Inks.line(e)).filter((i) => !i.fixed)
-      .map((i) => ({ ...i, breadth: 1 + 1.2 * (others.length - k) })));
+      .map((i) => ({ ...i, breadth: 0.6 + 1.6 * (others.length - k) })));
     return first ? [this.panel(this.rooms[0], this.instances(first, Inks.solid(first)), outlines)] : [];
   }
 

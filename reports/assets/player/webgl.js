@@ -175,7 +175,7 @@ const WebGL = (() => {
       gl.useProgram(line.made);
       gl.uniformMatrix4fv(line.at.view, false, view);
       gl.uniform2f(line.at.panel, panel.width, panel.height);
-      gl.uniform1f(line.at.breadth, 2 * breadth);
+      gl.uniform1f(line.at.breadth, breadth);
       gl.uniform1f(line.at.before, before);
       drawAll(list, "lines", ink);
     };
@@ -196,7 +196,7 @@ const WebGL = (() => {
         drawFloors(view, colours);
         drawSolids(view, p.solids, colours);
         const dark = (i) => (i.link ? i.colour : i.colour.map((c, k) => 0.45 * c + 0.55 * colours.ink[k]));
-        drawLines(view, p.solids.filter((i) => i.link || !meshes[i.mesh].round), p, p.scale, 2e-4, dark);
+        drawLines(view, p.solids.filter((i) => i.link || !meshes[i.mesh].round), p, 1.6 * p.scale, 2e-4, dark);
         drawOutlines(view, p.outlines, p);
       }
     };
