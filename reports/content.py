@@ -20,7 +20,8 @@ from reports.verdict import engines
 class EngineView:
     """An engine as the page names it: marker, name and profile, always in its colour.
 
-    `symbol` is the drawing of the marker, which stands once in the page, and `icon` a reference to it.
+    `symbol` is the drawing of the marker, which stands once in the page, and `icon` a reference to it; `drawn` is the
+    drawing itself, for the heads of tables: printed on every page, they lose what they only refer to.
     """
 
     name: str
@@ -29,6 +30,7 @@ class EngineView:
     profile: str
     icon: str
     symbol: str
+    drawn: str
     version: str
 
 
@@ -72,6 +74,8 @@ def view_of(campaign: Campaign, engine: str) -> EngineView:
     """How the page names an engine."""
     version = next((c.engine_version for c in campaign.cells if c.engine == engine and c.engine_version), "")
     version = version or str(campaign.engines.get(engine, {}).get("version", ""))
-    symbol = f'<symbol id="i-{slug(engine)}" viewBox="0 0 14 14">{marker_shape(engine, 7.0, 7.0)}</symbol>'
+    shape = marker_shape(engine, 7.0, 7.0)
+    symbol = f'<symbol id="i-{slug(engine)}" viewBox="0 0 14 14">{shape}</symbol>'
+    drawn = f'<svg class="fig icon" viewBox="0 0 14 14" aria-hidden="true">{shape}</svg>'
     icon = f'<svg class="fig icon" aria-hidden="true"><use href="#i-{slug(engine)}"/></svg>'
-    return EngineView(engine, slug(engine), base(engine), profile(engine), icon, symbol, version)
+    return EngineView(engine, slug(engine), base(engine), profile(engine), icon, symbol, drawn, version)
