@@ -46,7 +46,7 @@ def effects(
 
     Every effect that the scene does not declare is switched on so that it does nothing, and the motion is compared
     with that of the scene as declared; every effect that it declares is left out, and the motion is another one, or
-    the scenario says why the effect is declared.
+    the scenario says why the effect is declared.  Exit code 1 if a scene calls for an effect that it does not declare.
 
     \b
     plumbline effects newtons-cradle                      one scenario, every installed engine
@@ -73,7 +73,8 @@ def effects(
             missing |= any(call.answer == "acts" and not call.declared for call in found.calls)
             told.append(found_out.as_json(found))
             if not json_:
-                click.echo() if n else None
+                if n:
+                    click.echo()
                 found_out.show(found)
     if json_:
         click.echo(json.dumps(told, indent=1))

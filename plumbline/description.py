@@ -74,6 +74,7 @@ def about_scenario(scenario: Scenario) -> dict[str, Any]:
             for b in scenario.scene.bodies
         ],
         "effects": [repr(e) for e in scenario.scene.effects],
+        "because": {kind.__name__: why for kind, why in scenario.because.items() if kind in scenario.scene.needs},
         "conserves": list(conserved(scenario.scene, scenario.duration).sentences()),
         "truth": "known" if scenario.truth else "not known",
         "laws": list(scenario.laws),
@@ -105,6 +106,9 @@ def scenario_lines(told: dict[str, Any]) -> None:
         click.echo(f"\n{heading}")
         for line in lines or ["none"]:
             click.echo(f"  {line}")
+    if told["because"]:
+        click.echo("\ndeclared although the true motion may be the same without")
+        table(list(told["because"].items()), "  ")
     if told["laws"]:
         click.echo(f"\nmechanics leaves the answer to the impact law; named, not marked: {', '.join(told['laws'])}")
     click.echo("\ntolerances, the same for every engine")

@@ -140,8 +140,9 @@ def _line(proof: Proof, names: Sequence[str]) -> tuple[str, ...]:
 
 
 def remark_of(scenario: Scenario, effect: str) -> str:
-    """What a scenario says of an effect that does nothing in it, or that it withholds; "" for nothing."""
-    return scenario.because.get(EFFECTS[effect], "") if effect in EFFECTS else ""
+    """Why a scenario declares an effect that may do nothing in it; "" where it does not declare it, or says nothing."""
+    kind = EFFECTS[effect]
+    return scenario.because.get(kind, "") if kind in scenario.scene.needs else ""
 
 
 def as_json(found: Found) -> dict[str, Any]:

@@ -75,8 +75,8 @@ class Scenario:
     exhibit : Exhibit or None
         What makes it an exhibit of the museum.
     name, version, summary, tags, suites, because, parameters
-        Filled in by the `scenario` decorator.  `because`: effect type -> why it is declared though without it the
-        motion is the same, or not declared though with it the motion would be another.
+        Filled in by the `scenario` decorator.  `because`: effect type -> why it is declared although the true motion
+        is the same without it.
     """
 
     scene: Scene
