@@ -249,7 +249,7 @@ class Execution:
         waiting = [job for job in left if job.absent is None]
         done = {job.key: self._finish(folder, absent(job), 0.0) for job in left if job.absent is not None}
         with Lanes(self.options) as lanes:
-            manifest["timing"] = lanes.told
+            manifest["fingerprint"] |= {"timing": lanes.told}
             while waiting or lanes.busy:
                 while not self._spent(begun) and (given := lanes.give(waiting)):
                     for job in given:

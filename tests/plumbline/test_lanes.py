@@ -51,4 +51,4 @@ def test_a_crash_in_a_sitting_costs_its_own_cell(jobs, tmp_path):
     for sound in (("toy", None), ("toy:faulty", "none"), ("toy:shy", None)):
         assert (told[sound].state, told[sound].repeats) == ("ok", 3)
         assert told[sound].cost > 0.0
-    assert "in turns A B B A" in json.loads((tmp_path / "run.json").read_text())["timing"]
+    assert "in turns A B B A" in json.loads((tmp_path / "run.json").read_text())["fingerprint"]["timing"]
