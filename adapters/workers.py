@@ -89,6 +89,8 @@ class Workers:
         patience : float
             At most so many times as long is waited for a process that has not had `timeout` seconds of CPU time:
             on a machine that is busy with other things an engine is not slow for that.
+        sampled : bool
+            As in `adapters.run.run`.
 
         Raises
         ------
