@@ -11,6 +11,7 @@ import numpy as np
 
 from adapters.archive import ArchiveError
 from comparisons.cell import Campaign, Cell
+from mechanics.arrays import SceneError
 from mechanics.effects import Restitution
 from mechanics.scene import Scene
 from mechanics.scene_file import scene_from_dict
@@ -132,8 +133,12 @@ def _read(
             continue
         if motion is not None:
             motions[cell.engine] = motion
-    told = description(campaign, label).get("scene")
-    scene = known.scene if known else scene_from_dict(told) if told else None
+    scene, told = known.scene if known else None, description(campaign, label).get("scene")
+    if scene is None and told:
+        try:
+            scene = scene_from_dict(told)
+        except SceneError as error:  # of another version
+            lost.append(f"the scene is not drawn: {error}")
     duration = max((c.duration for c in cells), default=0.0)
     held = {c.engine: c for c in cells if c.engine in motions}
     return Recorded(label, scene, duration, known.truth if known else None, held, motions, "; ".join(lost))

@@ -19,7 +19,7 @@ import numpy as np
 
 from comparisons.cell import Cell
 from mechanics.effects import Hinge, Rod, Spring, Tether
-from mechanics.rotation import unrotate
+from mechanics.rotation import angle_between, unrotate
 from mechanics.scene import Body, Scene
 from mechanics.shapes import HalfSpace, bounding_radius
 from mechanics.trajectory import Trajectory
@@ -31,6 +31,8 @@ from reports.series import Curves
 from reports.verdict import BROKEN, RED, mark, ratio_text, sentence
 
 FRAMES = 120  # at equal distances; a recording of at most twice as many samples is kept whole
+ANGLE = 0.8  # [rad]; a turn by π between two samples would look like one the other way round
+MOST = 600  # frames at equal distances
 STEPS = 2**14  # quanta across the picture, far below a pixel
 TURN = 2.0**-12  # quantum of the components of a unit quaternion
 SIZE = (560.0, 220.0)  # of a figure [px]
@@ -82,7 +84,7 @@ def replay(of: Recorded, curves: Curves) -> Replay | None:
     centre, quantum = 0.5 * (low + high), float((high - low).max()) / STEPS
     arrays, told = [], []
     for engine, path in paths.items():
-        kept = frames(path.x[:, animated], OFF * STEPS * quantum)
+        kept = frames(path.x[:, animated], OFF * STEPS * quantum, _turned(path.q[:, turning]))
         x = quantised(path.x[kept][:, animated], centre, quantum)
         q = quantised(_continuous(path.q[kept][:, turning]), 0.0, TURN)
         ticks = np.rint(path.t[kept] * (TICKS / of.duration)).astype(np.int32)
@@ -111,21 +113,23 @@ def replay(of: Recorded, curves: Curves) -> Replay | None:
 
 def moment(cell: Cell) -> float:
     """When the cell broke, or when its worst demanded error was worst [s]; NaN if that belongs to no time."""
-    if cell.state == "diverged":
+    if cell.state in BROKEN:
         return cell.time
     return cell.worst.time if cell.worst is not None else math.nan
 
 
-def frames(x: np.ndarray, off: float) -> np.ndarray:
-    """Places of the samples to keep of (T, n, 3) positions.
+def frames(x: np.ndarray, off: float, turned: float = 0.0) -> np.ndarray:
+    """Places of the samples to keep of (T, n, 3) positions of bodies that turn by up to `turned` [rad] in all.
 
-    Every sample if there are at most 2 `FRAMES`; else `FRAMES` at equal distances, and of each stretch between two
-    of them the sample that lies farthest off the straight line, if that is more than `off` [m].
+    Every sample if there are at most 2 `FRAMES`; else `FRAMES` at equal distances, more if bodies turn by more than
+    `ANGLE` between them, and of each stretch between two of them the sample that lies farthest off the straight line,
+    if that is more than `off` [m].
     """
     count = len(x)
     if count <= 2 * FRAMES:
         return np.arange(count)
-    base = np.unique(np.rint(np.linspace(0, count - 1, FRAMES)).astype(int))
+    even = round(min(max(FRAMES, turned / ANGLE), MOST))
+    base = np.unique(np.rint(np.linspace(0, count - 1, even)).astype(int))
     before = np.minimum(np.searchsorted(base, np.arange(count), side="right") - 1, len(base) - 2)
     first, last = base[before], base[before + 1]
     part = ((np.arange(count) - first) / (last - first))[:, None, None]
@@ -136,6 +140,11 @@ def frames(x: np.ndarray, off: float) -> np.ndarray:
 
 def _moves(paths: Mapping[str, Trajectory], body: int) -> bool:
     return any(np.ptp(p.x[:, body], axis=0).any() or np.ptp(p.q[:, body], axis=0).any() for p in paths.values())
+
+
+def _turned(q: np.ndarray) -> float:
+    """Largest angle by which one of n bodies turns in all [rad], from (T, n, 4) quaternions."""
+    return float(angle_between(q[1:], q[:-1]).sum(axis=0).max(initial=0.0))
 
 
 def _continuous(q: np.ndarray) -> np.ndarray:

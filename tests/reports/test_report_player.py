@@ -245,6 +245,12 @@ def test_a_link_opens_the_moment_the_engines_and_the_view(watch):
     assert page.evaluate("new URLSearchParams(location.hash.slice(1)).get('engines')") == "reference,pybullet"
 
 
+def test_a_link_to_engines_of_another_page_hides_none(watch):
+    page = watch(f"#scene={SCENE}&t=0.4&engines=somebody-else")
+    page.wait_for_selector(".clock:text('0.40 s')")
+    assert page.locator(".tags .tag").count() == 3
+
+
 def test_the_failing_cell_leads_to_its_moment(watch):
     page = watch()
     page.locator("table.matrix td.tone-fail a").first.click()

@@ -74,6 +74,16 @@ def test_a_kink_of_a_long_recording_is_kept(count, part):
     assert np.abs(drawn - x[:, 1, 2]).max() < 1e-9
 
 
+def test_a_fast_spin_is_not_seen_turning_the_other_way(tumbling):
+    t = np.linspace(0.0, 2.0, 4001)
+    path = _tumble(80.0 * t)  # 400 rad/s: 6.7 rad between two of 120 samples
+    spun = replace(tumbling, motions={"reference": tumbling.motions["reference"]._replace(path=replace(path, t=t))})
+    header, (ticks, _, q) = unpacked(replay(spun, time_series(spun)).block)
+    assert len(ticks[0]) < 4001
+    cosines = (q[:, 1:].astype(float) * q[:, :-1]).sum(axis=0) * header["turn"] ** 2
+    assert 2.0 * np.arccos(np.clip(cosines, -1.0, 1.0)).sum() == pytest.approx(800.0, rel=1e-2)
+
+
 def _tumble(t: np.ndarray) -> Trajectory:
     """A floor, a ball on a circle of 1 m about the origin and a box that turns about a tilted axis, 5 rad/s."""
     angle, axis = 5.0 * t, np.array([0.6, 0.0, 0.8])
@@ -156,6 +166,19 @@ def test_nothing_to_show_makes_no_replay(tumbling):
     still = {e: m._replace(path=m.path.until(1)) for e, m in tumbling.motions.items()}
     assert replay(replace(tumbling, motions=still), time_series(tumbling)) is None
     assert replay(replace(tumbling, scene=None), time_series(tumbling)) is None
+
+
+def test_a_scene_that_cannot_be_read_costs_the_replay_and_is_told(campaign):
+    cell = next(c for c in campaign.cells if (c.scenario, c.engine) == ("free-fall", "reference"))
+    told = {
+        "free-fall": campaign.scenarios["free-fall"] | {"scene": {"body": [{"name": "x", "shape": {"type": "Cone"}}]}}
+    }
+    one = recorded(replace(campaign, cells=(cell,), scenarios=told), {cell.key: _tumble(np.linspace(0.0, 1.0, 5))}, {})[
+        0
+    ]
+    assert one.scene is None
+    assert "Cone" in one.remark
+    assert replay(one, time_series(one)) is None
 
 
 def test_a_link_leads_to_the_moment(tumbling):

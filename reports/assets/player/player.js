@@ -159,11 +159,9 @@ class Replay {
     if (!this.blocks.has(words.get("scene"))) return false;
     this.touched = true;
     this.state.overlaid = this.overlay.checked = words.get("view") === "overlay";
-    if (words.get("engines")) {
-      const wanted = words.get("engines").split(",");
-      for (const input of document.querySelectorAll("[data-engine]")) {
-        if (input.checked !== wanted.includes(input.dataset.name)) input.click();
-      }
+    const inputs = Array.from(document.querySelectorAll("[data-engine]")), wanted = (words.get("engines") ?? "").split(",");
+    if (inputs.some((input) => wanted.includes(input.dataset.name))) { // else it is of another page
+      for (const input of inputs) if (input.checked !== wanted.includes(input.dataset.name)) input.click();
     }
     await this.open(words.get("scene"));
     if (this.state.scene && Number.isFinite(time)) this.seek(time);
