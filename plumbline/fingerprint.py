@@ -37,7 +37,7 @@ def platform_class() -> str:
     """
     from numpy import show_config
 
-    found = set(show_config(mode="dicts")["SIMD Extensions"]["found"])
+    found = set(show_config(mode="dicts").get("SIMD Extensions", {}).get("found", ()))  # absent where there is none
     levels = {"v4": {"X86_V4", "AVX512_SKX"}, "v3": {"X86_V3", "AVX2", "FMA3"}}
     level = next((name for name, marks in levels.items() if marks & found), "v2")
     parts = [platform.system().lower(), platform.machine().lower()]

@@ -49,7 +49,11 @@ def test_help_needs_nothing_heavy():
     assert not HEAVY & set(done.stdout.split())
 
 
-@pytest.mark.parametrize("verb", [[], ["list"], ["describe"], ["run"], ["report"], ["conform"], ["doctor"]])
+VERBS = ("list", "describe", "run", "report", "conform", "doctor", "check", "baseline", "compare", "merge", "tables",
+         "figures")  # fmt: skip
+
+
+@pytest.mark.parametrize("verb", [[], *([verb] for verb in VERBS), ["baseline", "accept"]])
 def test_every_verb_explains_itself(command, verb):
     code, out, _ = command(*verb, "--help", plugin=False)
     assert code == 0
