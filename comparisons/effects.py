@@ -101,7 +101,7 @@ class Proof:
     until : float
         Up to when everything was compared [s]; less than `duration` if the budget was spent.
     cost : float
-        CPU time of the declared scene over wall clock of the scene [s/s].
+        CPU time of the declared scene per second of its own time [s/s].
     rows : tuple of Row
     reason : str
         Why there is nothing to compare; "" if there is.

@@ -56,13 +56,15 @@ class Store:
         if told is None or told["scene"] != scenario.version:
             return None
         with suppress(TypeError, KeyError):  # written by another version of this package: to be found out again
-            proof = from_plain({name: value for name, value in told.items() if name != "scene"})
+            proof = from_plain({name: value for name, value in told.items() if name not in ("scene", "because")})
             return proof if proof.version == version else None
         return None
 
     def put(self, proof: Proof, scenario: Scenario) -> None:
         """Keep a proof; on disk at the latest when the store is closed."""
-        self._effects.setdefault(proof.engine, {})[proof.scenario] = to_plain(proof) | {"scene": scenario.version}
+        because = {kind.__name__: why for kind, why in scenario.because.items() if kind in scenario.scene.needs}
+        more = {"scene": scenario.version, "because": because}
+        self._effects.setdefault(proof.engine, {})[proof.scenario] = to_plain(proof) | more
         if time.monotonic() > self._written + KEEP:
             self.close()
 

@@ -99,7 +99,7 @@ class Line:
 
     scenario: str
     until: str
-    declared: tuple[tuple[str, str, bool], ...]  # effect, finding, whether leaving it out changes nothing
+    declared: tuple[tuple[str, str, str], ...]  # effect, finding, why it is declared if leaving it out changes nothing
     idle: tuple[tuple[str, str, bool], ...]  # effect, finding, whether switching it on changes something
     together: str
     ratio: str
@@ -111,17 +111,19 @@ class Ledger:
 
     engine: str
     proofs: tuple[Proof, ...]
+    because: Mapping[str, Mapping[str, str]]  # scenario -> effect -> why it is declared though it may do nothing
 
     @cached_property
     def savings(self) -> dict[str, Saving]:
         """Effect, or all of them at once -> what it costs where it is not declared."""
         rows = [row for proof in self.proofs for row in proof.rows if not row.declared]
-        return {name: Saving.of([row for row in rows if row.effect == name]) for name in (*EFFECTS, ALL, SWITCHES)}
+        found = {name: Saving.of([row for row in rows if row.effect == name]) for name in (*EFFECTS, ALL, SWITCHES)}
+        return {name: saving for name, saving in found.items() if saving.scenes or name != SWITCHES}
 
     @cached_property
     def lines(self) -> tuple[Line, ...]:
         """One line for each scenario that ran."""
-        return tuple(_line(proof) for proof in self.proofs if proof.rows)
+        return tuple(_line(proof, self.because.get(proof.scenario, {})) for proof in self.proofs if proof.rows)
 
     @property
     def refused(self) -> tuple[tuple[str, str], ...]:
@@ -142,10 +144,12 @@ class Ledger:
         same, idle = self.count(False, "same", "same until"), self.count(False, *VERDICTS)
         acts, all_of = self.count(True, *ACTS), self.count(True, *VERDICTS)
         whole = sum(proof.whole for proof in self.proofs if proof.rows)
+        told = sum(bool(reason) for line in self.lines for *_, reason in line.declared)
         return (
             f"{len(self.lines)} scenes, {whole} of them to their end: of {idle} effects that are not declared {same} "
             f"change nothing when they are switched on; of {all_of} that are declared {acts} change the motion, or are "
-            f"missed by name, when they are left out."
+            f"missed by name, when they are left out"
+            + (f", and {told} are declared for a reason that is given." if told else ".")
         )
 
 
@@ -154,19 +158,22 @@ def ledgers(effects: Mapping[str, Any]) -> tuple[Ledger, ...]:
     found = []
     for engine, told in effects.items():
         proofs = [_read(one) for one in told.values()]
-        found.append(Ledger(engine, tuple(proof for proof in proofs if proof is not None)))
+        because = {name: one.get("because", {}) for name, one in told.items()}
+        found.append(Ledger(engine, tuple(proof for proof in proofs if proof is not None), because))
     return tuple(found)
 
 
 def _read(told: Mapping[str, Any]) -> Proof | None:
     try:
-        return from_plain({name: value for name, value in told.items() if name != "scene"})
+        return from_plain({name: value for name, value in told.items() if name not in ("scene", "because")})
     except (TypeError, KeyError):
         return None
 
 
-def _line(proof: Proof) -> Line:
-    declared = tuple((r.effect, finding(r), r.verdict in ("same", "same until")) for r in proof.rows if r.declared)
+def _line(proof: Proof, because: Mapping[str, str]) -> Line:
+    declared = tuple(
+        (r.effect, finding(r), "" if r.verdict in ACTS else because.get(r.effect, "")) for r in proof.rows if r.declared
+    )
     idle = tuple(
         (r.effect, finding(r), r.verdict not in ("same", "same until"))
         for r in proof.rows
@@ -183,4 +190,5 @@ def shown(content: Content) -> Mapping[str, Any]:
     if not found:
         return {}
     views = [content.engines.get(ledger.engine) or view_of(content.campaign, ledger.engine) for ledger in found]
-    return {"ledgers": list(zip(found, views, strict=True)), "names": (*EFFECTS, ALL, SWITCHES)}
+    names = [name for name in (*EFFECTS, ALL, SWITCHES) if any(name in ledger.savings for ledger in found)]
+    return {"ledgers": list(zip(found, views, strict=True)), "names": names}

@@ -57,6 +57,17 @@ def test_a_ledger_counts_effects_and_not_all_of_them_at_once():
     assert "of 2 that are declared 2 change the motion" in ledger.sentence
 
 
+def test_a_declared_effect_that_does_nothing_is_shown_with_its_reason(campaign):
+    idle = replace(PROOF, rows=(*ROWS, Row("Spring", True, "same", 0.0, 1.0)))
+    told = {"reference": {idle.scenario: to_plain(idle) | {"scene": 1, "because": {"Spring": "it is taut <later>"}}}}
+    (ledger,) = ledgers(told)
+    assert "2 change the motion" in ledger.sentence
+    assert "1 are declared for a reason that is given" in ledger.sentence
+    html = page(replace(campaign, effects=told))
+    assert "declared because: it is taut &lt;later&gt;" in html
+    assert html.count("declared because") == 1
+
+
 def test_the_page_shows_what_was_found_and_what_was_refused(campaign):
     refused = replace(PROOF, scenario="other", rows=(), reason="it has <no> floor")
     told = {"reference": {p.scenario: to_plain(p) | {"scene": 1} for p in (PROOF, refused)}}
