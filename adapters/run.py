@@ -211,8 +211,8 @@ def run(
 ) -> Run:
     """Run `scene` in `engine`, recording the state at `times` [s], or only up to the first for which `until` holds.
 
-    With more than one repeat a warm-up precedes them and is discarded; each repeat is built anew,
-    because only a rebuilt world is the same world in every engine.  A run that takes longer than
+    With more than one repeat a warm-up precedes them, whose motion is kept and whose time is not; each repeat is built
+    anew, because only a rebuilt world is the same world in every engine.  A run that takes longer than
     `LONG` even when it is warm is not repeated, and says so.
 
     Parameters
