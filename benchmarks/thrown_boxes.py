@@ -25,7 +25,7 @@ CASES = ((0.0, "newton"), (0.5, "newton"), (0.5, "energetic"))  # friction, law 
 EACH = 10  # boxes of every case and coefficient of restitution
 LIMIT = 30.0  # [s] of simulated time, by which every box must lie
 SAMPLING = 0.02  # [s]
-PATIENCE = 10.0  # wall time of one box [s]
+PATIENCE = 10.0  # processor time of one box [s]
 WARMING = 120.0  # of the first ones, for which everything is compiled [s]
 
 
@@ -40,7 +40,7 @@ class Thrown:
     rise: float  # greatest rise of energy from sample to sample, over the energy at the start
     gap: float  # deepest overlap at a sample, by the house's own geometry [m]
     simulated: float  # [s]
-    seconds: float  # wall time [s]
+    seconds: float  # processor time [s]
     trouble: str  # what the engine said when it gave up
 
 
@@ -64,18 +64,18 @@ def scene(seed: int, e: float, mu: float) -> Scene:
 
 
 def thrown(seed: int, e: float, mu: float, law: str = "newton", patience: float = PATIENCE) -> Thrown:
-    """One box, until it rests, time is up, or `patience` [s] of wall time."""
+    """One box, until it rests, time is up, or `patience` [s] of processor time."""
     one = scene(seed, e, mu)
     world = begin(one, Settings(restitution=law))
     states, trouble = [world.state()], ""
-    begun = time.perf_counter()
+    begun = time.process_time()
     try:
-        while not rests(world) and world.t < LIMIT and time.perf_counter() - begun < patience:
+        while not rests(world) and world.t < LIMIT and time.process_time() - begun < patience:
             advance(world, SAMPLING)
             states.append(world.state())
     except Stalled as error:
         trouble = str(error)
-    seconds = time.perf_counter() - begun
+    seconds = time.process_time() - begun
     path = Trajectory.of(states)
     energy = mechanical_energy(one, path)
     floor, box = (Pose(path.x[:, i], path.q[:, i]) for i in range(2))
@@ -123,7 +123,8 @@ def measure(tiny: bool = False) -> Row:
             Figure("overlap at a sample, deepest", max(0.0, *(-b.gap for b in every)), 1e-11, "m"),
         ),
         how=f"sampled every {SAMPLING:g} s until the engine proves rest, at most {LIMIT:g} s; energy from sample to "
-        "sample and overlap by the house's own yardsticks; friction 0.5; simulated seconds per second of wall time: "
+        "sample and overlap by the house's own yardsticks; friction 0.5; simulated seconds per second of processor "
+        "time: "
         f"{costs}",
         missed="; ".join(
             [f"e = {b.e:g}, {_called(b.mu, b.law)}: {b.trouble}" for b in every if b.trouble]
