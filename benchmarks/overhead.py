@@ -115,6 +115,6 @@ def measure(tiny: bool = False) -> Row:
         figures=tuple(figures),
         how="`advance` of the adapter against bare calls of the library, the same steps to the same state, in turns, "
         f"envelopes of {repeats} repeats; microseconds a call: {', '.join(calls)}",
-        missed="half a microsecond to one a call, for the arithmetic of the clock and for looking up the world, is more "
-        "than 2 % of a call that does less than 25 to 50 µs of work: ten steps of a single body",
+        missed="half a microsecond to one a call, for the arithmetic of the clock and for looking up the world, is "
+        "more than 2 % of a call that does less than 25 to 50 µs of work: ten steps of a single body",
     )
