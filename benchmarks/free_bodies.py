@@ -82,6 +82,7 @@ def measure(tiny: bool = False) -> Row:
         how=f"balls too far apart to meet, {samples} calls; wall times are those of getting to each sample with its "
         "state ready, reading it is not clocked; engines take the steps of their fair profiles, 1 ms; where nobody "
         "reads, the reference finds out where its bodies are when it is asked, the others have no choice",
+        missed="pymunk computes in two dimensions and takes 74 ns for a step of a ball; a thousand steps are 13 mm off",
         judged="height [m]",
         beside=tuple(rows),
     )
