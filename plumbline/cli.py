@@ -16,7 +16,7 @@ from plumbline.cli_gate import baseline, check
 from plumbline.cli_ladder import ladder
 from plumbline.cli_run import run, seconds
 from plumbline.cli_sweep import advise, sweep
-from plumbline.cli_tables import figures, tables
+from plumbline.cli_tables import figures, rerun, tables
 from plumbline.command import as_json, harness, plug_in, register, usage
 
 CODES = """\b
@@ -74,6 +74,7 @@ cli.add_command(merge)
 cli.add_command(compare)
 cli.add_command(tables)
 cli.add_command(figures)
+cli.add_command(rerun)
 
 
 @cli.command("list")

@@ -1,4 +1,4 @@
-"""The verbs `tables` and `figures`: what a run measured, side by side and over time, in formats for other documents."""
+"""The verbs `tables`, `figures` and `rerun`: what a run measured, side by side and over time, for other programs."""
 
 from __future__ import annotations
 
@@ -99,4 +99,40 @@ def figures(runs: tuple[str, ...], selectors: tuple[str, ...], kinds: tuple[str,
         except OSError as error:
             raise click.FileError(str(error.filename), error.strerror) from error
     click.echo(f"{amount} files in {place}")
+    return 0 if amount else 5
+
+
+@click.command("rerun")
+@click.option("--run", "runs", multiple=True, metavar="RUN",
+              help="Folder of a run (repeatable).  [default: the newest in runs/]")  # fmt: skip
+@click.option("-s", "--scenario", "selectors", multiple=True, metavar="NAME",
+              help="Only these scenarios, as they are printed (repeatable).")  # fmt: skip
+@click.option("--out", required=True, metavar="DIR", help="Folder for the files; made if it is not there.")
+def rerun(runs: tuple[str, ...], selectors: tuple[str, ...], out: str) -> int:
+    """Write the recorded motions as .rrd files for the viewer Rerun, one for each scenario.
+
+    Needs the package rerun-sdk, an extra: pip install 'plumbline[rerun]'.
+    """
+    from dataclasses import replace
+
+    from plumbline.results import Results, merged
+    from reports import rerun_file
+    from reports.figure_files import file_name
+    from reports.recorded import look_up, recorded
+    from reports.series import time_series
+
+    with harness(), usage():
+        results = merged([Results.read(path) for path in runs or (_newest(),)])
+        cells = tuple(c for c in results.campaign.cells if not selectors or c.scenario in selectors)
+        campaign, place, amount = replace(results.campaign, cells=cells), Path(out), 0
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+            for one in recorded(campaign, results.traces, look_up(campaign), most=len(cells)):
+                if one.scene is None:
+                    click.echo(f"{one.scenario}: not written, its scene is not known", err=True)
+                    continue
+                click.echo(rerun_file.write(one, time_series(one), place / f"{file_name(one.scenario)}.rrd"))
+                amount += 1
+        except OSError as error:
+            raise click.FileError(str(error.filename), error.strerror) from error
     return 0 if amount else 5

@@ -102,7 +102,7 @@ def replay(of: Recorded, curves: Curves) -> Replay | None:
         "bodies": [_body(b) for b in scene.bodies],
         "animated": animated,
         "turning": turning,
-        "links": _links(scene),
+        "links": links(scene),
         "engines": told,
         "figures": [{"title": f.title, "svg": svg(f, *SIZE)} for f in curves.figures],
     }
@@ -199,7 +199,7 @@ def _body(body: Body) -> dict[str, Any]:
     return {"name": body.name, "fixed": body.fixed, "shape": shape, "x": body.position, "q": body.orientation}
 
 
-def _links(scene: Scene) -> list[dict[str, Any]]:
+def links(scene: Scene) -> list[dict[str, Any]]:
     """Rods, tethers and springs between their anchors, and an arm from each body to the hinge it turns about."""
     found = [
         {"kind": type(e).__name__, "a": scene.index(e.a), "b": scene.index(e.b), "p": e.anchor_a, "q": e.anchor_b}
