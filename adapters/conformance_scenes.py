@@ -36,6 +36,10 @@ class Refused(Outcome):
     """The engine refused the scene."""
 
 
+class Undeclared(Outcome):
+    """The engine said that the scene needs an effect that it does not declare."""
+
+
 @dataclass(frozen=True)
 class Unlisted(Effect):
     """An effect that no engine can know."""
@@ -65,7 +69,8 @@ def drive(
     if isinstance(outcome, Refusal):
         word = "not applicable: it refuses" if optional else "it refuses"
         raise Refused(optional, f"{word} the scene ({outcome.reason})")
-    raise Outcome(False, f"{outcome.state} in {outcome.stage}: {outcome.reason}")
+    kind = Undeclared if "does not declare" in outcome.reason else Outcome
+    raise kind(False, f"{outcome.state} in {outcome.stage}: {outcome.reason}")
 
 
 def needs(engine: Engine, kind: type[Effect]) -> None:

@@ -25,6 +25,12 @@ def pytest_collection_modifyitems(items):
     items.sort(key=lambda item: rank.get(item.path.stem, len(FIRST)))
 
 
+@pytest.fixture(autouse=True)
+def nobody_says_how_wide(monkeypatch):
+    """No width of a terminal in the environment: GNU readline puts one there where it is loaded, 80 without any."""
+    monkeypatch.delenv("COLUMNS", raising=False)
+
+
 @pytest.fixture(scope="module")
 def toys():
     """The engines of `toy_engines.py`, registered for one file of tests: toy, toy:faulty, toy:shy."""

@@ -32,7 +32,6 @@ def command(toy_file, tmp_path, capsys, monkeypatch):
     from adapters import registry
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.delenv("COLUMNS", raising=False)
 
     def call(*words, plugin=True):
         plugins = ["--plugin", str(toy_file)] if plugin else []
