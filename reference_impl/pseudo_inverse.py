@@ -13,8 +13,8 @@ import numpy as np
 from reference_impl.kernels import kernel
 
 SWEEPS = 40  # of rotations; the columns are orthogonal to rounding after six to ten
-SQUARE = 1e-15  # cosine of two columns that counts as 0
-VOID = 1e-28  # square of a column's length, over that of all, below which it counts as 0
+SQUARE = 1e-15  # cosine of two rows that counts as 0
+VOID = 1e-28  # square of a row's length, over that of all, below which it counts as 0
 
 
 @kernel
@@ -39,7 +39,7 @@ def turned_times(a, b, out):
 
 @kernel
 def orthogonalise(w, v):
-    """Turn the columns of `w`, and those of `v` along, until those of `w` are orthogonal; False for NaN or infinity.
+    """Turn the rows of `w`, and those of `v` along, until those of `w` are orthogonal; False for NaN or infinity.
 
     One-sided Jacobi: Golub and Van Loan, Matrix Computations, 4th ed., §8.6.3.
     """
@@ -51,13 +51,13 @@ def orthogonalise(w, v):
         return False
     for _ in range(SWEEPS):
         still = True
-        for i in range(w.shape[1] - 1):
-            for j in range(i + 1, w.shape[1]):
+        for i in range(w.shape[0] - 1):
+            for j in range(i + 1, w.shape[0]):
                 aa, bb, ab = 0.0, 0.0, 0.0
-                for r in range(w.shape[0]):
-                    aa += w[r, i] * w[r, i]
-                    bb += w[r, j] * w[r, j]
-                    ab += w[r, i] * w[r, j]
+                for r in range(w.shape[1]):
+                    aa += w[i, r] * w[i, r]
+                    bb += w[j, r] * w[j, r]
+                    ab += w[i, r] * w[j, r]
                 if min(aa, bb) <= VOID * size or abs(ab) <= SQUARE * math.sqrt(aa * bb):
                     continue
                 still = False
@@ -65,10 +65,10 @@ def orthogonalise(w, v):
                 tan = math.copysign(1.0, cot) / (abs(cot) + math.sqrt(1.0 + cot * cot))
                 cosine = 1.0 / math.sqrt(1.0 + tan * tan)
                 sine = tan * cosine
-                for r in range(w.shape[0]):
-                    w[r, i], w[r, j] = cosine * w[r, i] - sine * w[r, j], sine * w[r, i] + cosine * w[r, j]
-                for r in range(v.shape[0]):
-                    v[r, i], v[r, j] = cosine * v[r, i] - sine * v[r, j], sine * v[r, i] + cosine * v[r, j]
+                for r in range(w.shape[1]):
+                    w[i, r], w[j, r] = cosine * w[i, r] - sine * w[j, r], sine * w[i, r] + cosine * w[j, r]
+                for r in range(v.shape[1]):
+                    v[i, r], v[j, r] = cosine * v[i, r] - sine * v[j, r], sine * v[i, r] + cosine * v[j, r]
         if still:
             break
     return True
@@ -81,13 +81,13 @@ def pseudo_inverse(a, rank, out):
     Singular values below `rank` times the largest count as 0.
     """
     m, n = a.shape
-    w, v = a.copy(), np.eye(n)
+    w, v = a.T.copy(), np.eye(n)  # what is turned lies side by side in memory
     if not orthogonalise(w, v):
         return -1
     square = np.zeros(n)
     for j in range(n):
         for i in range(m):
-            square[j] += w[i, j] * w[i, j]
+            square[j] += w[j, i] * w[j, i]
     least = rank * rank * square.max() if n else 0.0
     out[:] = 0.0
     found = 0
@@ -96,5 +96,5 @@ def pseudo_inverse(a, rank, out):
             found += 1
             for r in range(n):
                 for i in range(m):
-                    out[r, i] += v[r, j] * w[i, j] / square[j]
+                    out[r, i] += v[j, r] * w[j, i] / square[j]
     return found
