@@ -266,16 +266,18 @@ def _windows(pair: _Pair) -> tuple[np.ndarray, np.ndarray]:
 
     A soft contact pushes over many intervals and ends when the bodies are apart; a body that stays is
     pushed for ever, and there the fastest separation counts.
-    A push that leaves the bodies approaching belongs to the next one.
+    A push that leaves the bodies approaching belongs to the next one.  A soft contact is followed out of the
+    overlap, where it still pushes a little.
     """
     u = np.einsum("ti,ti->t", pair.normal, pair.w)
+    before, after = _outside(pair.gap)
     edges = np.diff(np.concatenate([[0], pair.hits.astype(np.int8), [0]]))
     windows: list[tuple[int, int]] = []
     for first, stop in zip(np.flatnonzero(edges == 1).tolist(), np.flatnonzero(edges == -1).tolist(), strict=True):
         enough = u[first + 1 : stop + 1] >= u[first + 1 : stop + 1].max() - 0.01 * abs(u[first])
         last = first + 1 + int(np.argmax(enough))
         if stop > first + 1:
-            first, last = _through(pair.gap, u, first, stop) or (first, last)
+            first, last = _through(pair.gap, u, int(before[first]), int(after[stop])) or (first, last)
         if windows and u[windows[-1][1]] < -0.01 * abs(u[windows[-1][0]]):
             first = windows.pop()[0]
         windows.append((first, last))
@@ -285,15 +287,21 @@ def _windows(pair: _Pair) -> tuple[np.ndarray, np.ndarray]:
 def _through(gap: np.ndarray, u: np.ndarray, first: int, last: int) -> tuple[int, int] | None:
     """The samples before and after a soft contact from which the bodies part, or None if they stay in touch.
 
-    Moved out of the overlap, where such a contact still pushes a little.  What comes off is fastest in the end;
-    what is damped more is fastest on the way, and creeps back to the surface.
+    What comes off is fastest in the end; what is damped more is fastest on the way, and creeps back to the surface.
     """
-    while first > 0 and gap[first] < 0.0:
-        first -= 1
-    while last < len(gap) - 1 and gap[last] < 0.0:
-        last += 1
-    apart = gap[last] > 0.0 and u[last] > max(0.9 * u[first : last + 1].max(), 0.01 * abs(u[first]))
-    return (first, last) if apart else None
+    parted = gap[last] > 0.0 and u[last] > 0.01 * abs(u[first])
+    return (first, last) if parted and u[last] > 0.9 * u[first : last + 1].max() else None
+
+
+def _outside(gap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(T,) last sample up to each at which the bodies do not overlap, or the first of all; next such one, or the last.
+
+    For all samples at once: what lies in an overlap for long is pushed again and again.
+    """
+    rows, apart = np.arange(len(gap)), ~(gap < 0.0)
+    before = np.maximum.accumulate(np.where(apart, rows, 0))
+    after = np.minimum.accumulate(np.where(apart, rows, len(gap) - 1)[::-1])[::-1]
+    return before, after
 
 
 @dataclass(frozen=True)

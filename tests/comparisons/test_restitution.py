@@ -1,5 +1,7 @@
 """Impacts made by hand with a known coefficient are measured back, and doubtful ones are left out."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -249,3 +251,15 @@ def test_a_stepped_engine_is_measured_as_well_as_its_step_allows():
     (found,) = impacts(scene, Trajectory(t, x, motion.q, velocity, motion.w), lead=0.5 * h, step=h)
     assert len(found.e) >= 2
     assert (found.error[found.clear] <= (1.0 + e) * G * h / found.speed[found.clear]).all()
+
+
+@given(st.lists(st.sampled_from([-1.0, 0.0, 1.0, math.nan]), min_size=1, max_size=30))
+def test_an_overlap_is_left_at_the_nearest_sample_without_one(values):
+    before, after = restitution._outside(np.array(values))
+    for k in range(len(values)):
+        first = last = k
+        while first > 0 and values[first] < 0.0:
+            first -= 1
+        while last < len(values) - 1 and values[last] < 0.0:
+            last += 1
+        assert (before[k], after[k]) == (first, last)
