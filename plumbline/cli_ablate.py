@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from plumbline.cli_run import command
 from plumbline.cli_sweep import PHASES, one, progress_option
-from plumbline.command import as_json, harness, terminable, usage
+from plumbline.command import as_json, execute, usage
 
 if TYPE_CHECKING:
     from comparisons.ablation import Part
@@ -56,25 +54,18 @@ def ablate(scene: str, library: str, **asked: Any) -> int:
 
 def _measured(scene: str, library: str, asked: dict[str, Any]) -> Campaign:
     """Both profiles and everything between them on one scenario."""
-    from rich.console import Console
-
     from adapters import registry
     from adapters.ablation import settings
-    from plumbline.campaign import Execution, Options
+    from plumbline.campaign import Options
     from plumbline.plan import choose, plan
-    from plumbline.progress import progress
-    from plumbline.run_folder import new_id
 
     (scenario,) = choose(None, (one(scene)[0],))
     between = [f"{library}:{kind}{name}" for name in settings(library) for kind in ("stock+", "fair-")]
     registry.register(SOURCE, "adapters.ablation:ENGINES")
     try:
         jobs = plan((scenario,), (library, f"{library}:stock", *between))
-        folder = Path(asked["out"]) if asked["out"] else Path("runs") / new_id()
         options = Options(jobs=2, phases=asked["phases"], card=False)
-        with harness(), terminable(), progress(asked["style"], Console(stderr=True)) as display:
-            title = f"Ablation of {library} on {scenario.name}"
-            return Execution(jobs, folder, title, command(), options, display).run().campaign
+        return execute(jobs, f"Ablation of {library} on {scenario.name}", options, asked).campaign
     finally:
         registry.unregister(SOURCE)
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plumbline.cli_run import command, seconds
-from plumbline.command import as_json, harness, plug_in, register, usage
+from plumbline.cli_run import seconds
+from plumbline.command import as_json, command, harness, plug_in, register, usage
 
 if TYPE_CHECKING:
     from scenarios.scenario import Scenario

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from plumbline.cli_run import command, seconds
-from plumbline.command import as_json, harness, plug_in, register, terminable, usage
+from plumbline.cli_run import seconds
+from plumbline.command import as_json, execute, harness, plug_in, register, usage
 
 if TYPE_CHECKING:
     from plumbline.results import Results
@@ -69,11 +68,7 @@ def ladder(names: tuple[str, ...], **asked: Any) -> int:
 
 
 def _climb(climbers: Any, jobs: tuple[Any, ...], title: str, asked: dict[str, Any]) -> Results:
-    from rich.console import Console
-
-    from plumbline.campaign import Execution, Options
-    from plumbline.progress import progress
-    from plumbline.run_folder import new_id
+    from plumbline.campaign import Options
 
     options = Options(
         jobs=asked["jobs"],
@@ -84,12 +79,5 @@ def _climb(climbers: Any, jobs: tuple[Any, ...], title: str, asked: dict[str, An
         card=False,
         patience=PATIENCE,
     )
-    folder = Path(asked["out"]) if asked["out"] else Path("runs") / new_id()
-    with harness(), terminable(), progress(asked["style"], Console(stderr=True)) as display:
-        execution = Execution(jobs, folder, f"Ladders: {title}", command(), options, display, climbers.after,
-                              {"ladders": climbers.told}, climbers.most)  # fmt: skip
-        try:
-            return execution.run()
-        except KeyboardInterrupt:
-            click.echo(f"interrupted; what is finished is kept, `--out {folder}` goes on from there", err=True)
-            raise
+    ladders = {"following": climbers.after, "told": {"ladders": climbers.told}, "most": climbers.most}
+    return execute(jobs, f"Ladders: {title}", options, asked, **ladders)

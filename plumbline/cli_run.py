@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import shlex
-import sys
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from plumbline.command import as_json, harness, plug_in, register, terminable, usage
+from plumbline.command import as_json, execute, harness, plug_in, register, usage
 
 if TYPE_CHECKING:
     from comparisons.published import Figure
@@ -227,14 +225,9 @@ def carry_out(
     """Run the jobs with a progress display, then show and write the report; `told` goes into `run.json`."""
     from dataclasses import replace
 
-    from rich.console import Console
-
     from plumbline import finish
-    from plumbline.campaign import TIMEOUT, Execution, Options
-    from plumbline.progress import progress
-    from plumbline.run_folder import new_id
+    from plumbline.campaign import TIMEOUT, Options
 
-    console = Console(stderr=True)
     scenarios = tuple({job.scenario.name: job.scenario for job in jobs}.values())
     say_overlaps(scenarios)
     timeout = asked["timeout"] or (TIMEOUT if figures is None else 10 * TIMEOUT)
@@ -242,16 +235,10 @@ def carry_out(
     options = Options(asked["jobs"], repeats, timeout, asked["budget"],
                       round(asked["memory"] * 2**30), asked["rerun"] or "none",
                       asked["phases"] or (8 if asked["what"] == "museum" else 1))  # fmt: skip
-    folder = Path(asked["out"]) if asked["out"] else Path("runs") / new_id()
     outputs = finish.Outputs(asked["junit"], asked["summary"])
-    with harness(), terminable(), progress(asked["style"], console) as display:
+    with harness():
         outputs.open()
-        execution = Execution(jobs, folder, title(asked), command(), options, display, told=told or {})
-        try:
-            results = replace(execution.run(), known=scenarios)
-        except KeyboardInterrupt:
-            click.echo(f"interrupted; what is finished is kept, `--out {folder}` goes on from there", err=True)
-            raise
+    results = replace(execute(jobs, title(asked), options, asked, told=told or {}), known=scenarios)
     with harness():
         return finish.finish(results, outputs, asked["json_"], asked["fail_on"], figures)
 
@@ -269,11 +256,6 @@ def title(asked: dict[str, Any]) -> str:
     """The run in a few words."""
     words = [asked["what"] or "", *asked["selectors"], *(f"tag {tag}" for tag in asked["tags"])]
     return ", ".join(filter(None, words)) or DEFAULT_SUITE
-
-
-def command() -> str:
-    """The command line as it was typed."""
-    return shlex.join(["plumbline", *sys.argv[1:]])
 
 
 def show_plan(jobs: tuple[Job, ...], json_: bool) -> int:

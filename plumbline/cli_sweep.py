@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from plumbline.cli_run import command, seconds
-from plumbline.command import as_json, harness, plug_in, register, terminable, usage
+from plumbline.cli_run import seconds
+from plumbline.command import as_json, execute, harness, plug_in, register, usage
 
 if TYPE_CHECKING:
     from plumbline.plan import Job
@@ -186,11 +185,7 @@ def measured(jobs: tuple[Job, ...], asked: dict[str, Any]) -> Results:
     """Run a sweep with a progress display."""
     from dataclasses import replace
 
-    from rich.console import Console
-
-    from plumbline.campaign import Execution, Options
-    from plumbline.progress import progress
-    from plumbline.run_folder import new_id
+    from plumbline.campaign import Options
 
     options = Options(
         jobs=asked["jobs"],
@@ -202,14 +197,7 @@ def measured(jobs: tuple[Job, ...], asked: dict[str, Any]) -> Results:
         card=False,
         patience=PATIENCE,
     )
-    folder = Path(asked["out"]) if asked["out"] else Path("runs") / new_id()
     title = f"Accuracy against time: {asked['what'] or ', '.join(asked.get('selectors', ())) or DEFAULT_SUITE}"
     scenarios = tuple({job.scenario.name: job.scenario for job in jobs}.values())
-    with harness(), terminable(), progress(asked["style"], Console(stderr=True)) as display:
-        told = {"sweep": {"knobs": asked["knobs"]}}
-        execution = Execution(jobs, folder, title, command(), options, display, told=told)
-        try:
-            return replace(execution.run(), known=scenarios)
-        except KeyboardInterrupt:
-            click.echo(f"interrupted; what is finished is kept, `--out {folder}` goes on from there", err=True)
-            raise
+    told = {"sweep": {"knobs": asked["knobs"]}}
+    return replace(execute(jobs, title, options, asked, told=told), known=scenarios)

@@ -1,13 +1,21 @@
-"""What the verbs of the command line share: how errors end, and options that several of them take."""
+"""What the verbs of the command line share: how errors end, how jobs are run, and options that several of them take."""
 
 from __future__ import annotations
 
+import shlex
 import signal
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
+
+if TYPE_CHECKING:
+    from plumbline.campaign import Options
+    from plumbline.plan import Job
+    from plumbline.results import Results
 
 plug_in = click.option(
     "--plugin", "plugins", multiple=True, metavar="FILE.py", help="Engines of this file join (repeatable)."
@@ -63,3 +71,40 @@ def register(plugins: Sequence[str]) -> None:
         if not (plugin.endswith(".py") and Path(plugin).is_file()):
             raise click.UsageError(f"--plugin {plugin}: there is no such Python file")
         registry.register(Path(plugin).stem, plugin)
+
+
+def command() -> str:
+    """The command line as it was typed."""
+    return shlex.join(["plumbline", *sys.argv[1:]])
+
+
+def execute(jobs: Sequence[Job], title: str, options: Options, asked: dict[str, Any], **more: Any) -> Results:
+    """Run `jobs` with a progress display and return everything.
+
+    Parameters
+    ----------
+    asked : dict
+        What was asked for: the folder "out" (a new one in runs/ if there is none) and the "style" of the display.
+    more
+        Further arguments of `plumbline.campaign.Execution`.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        On Ctrl-C and SIGTERM, after saying how to go on.
+    click.ClickException
+        If the folder cannot be read or written.
+    """
+    from rich.console import Console
+
+    from plumbline.campaign import Execution
+    from plumbline.progress import progress
+    from plumbline.run_folder import new_id
+
+    folder = Path(asked["out"]) if asked["out"] else Path("runs") / new_id()
+    with harness(), terminable(), progress(asked["style"], Console(stderr=True)) as display:
+        try:
+            return Execution(jobs, folder, title, command(), options, display, **more).run()
+        except KeyboardInterrupt:
+            click.echo(f"interrupted; what is finished is kept, `--out {folder}` goes on from there", err=True)
+            raise
